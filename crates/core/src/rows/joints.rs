@@ -74,6 +74,21 @@ impl JointRows {
         }
     }
 
+    /// Overwrites `target` with the positions (m) from which the joints are displaced. The middle of their ranges never moves.
+    pub(super) fn write_target(&self, at: ArmAt, displacement: &[f64], target: &mut TargetValue) {
+        let position = at.configuration.joint_position();
+        let value = |row: usize| match &self.target {
+            JointTarget::Position(_) => position[self.joints[row]] - displacement[row],
+            JointTarget::MidRange => 0.0,
+        };
+        match target {
+            TargetValue::Rows(rows) if rows.len() == self.joints.len() => {
+                rows.iter_mut().enumerate().for_each(|(row, entry)| *entry = value(row));
+            }
+            _ => *target = TargetValue::Rows(TaskVector::from_fn(self.joints.len(), value)),
+        }
+    }
+
     /// Returns the measured positions with a velocity of the task, m.
     pub(super) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
         let value = TargetValue::Rows(self.select(at.configuration.joint_position()));

@@ -145,16 +145,20 @@ impl TaskRows {
         }
     }
 
-    /// Returns the target of a position law: the streamed one, or that of the configuration.
-    pub(crate) fn target_value(&self, arm: &ArmState, streamed: Option<&ActiveStream>) -> TargetValue {
+    /// Overwrites `target` with the target of a position law at a displacement from it (m), without allocating.
+    pub(crate) fn write_target(
+        &self,
+        at: ArmAt,
+        streamed: Option<&ActiveStream>,
+        displacement: &[f64],
+        target: &mut TargetValue,
+    ) {
         match (streamed, self) {
-            (Some(active), _) => active.stream.reference.value.clone(),
-            (None, Self::Tool(rows)) => rows.own_reference(arm).value,
-            // It is the same at every posture.
-            (None, Self::Joints(JointRows { target: JointTarget::MidRange, .. }) | Self::Raw(_)) => {
-                TargetValue::Rows(TaskVector::zeros(self.len()))
-            }
-            (None, Self::Joints(rows)) => rows.own_reference(arm).value,
+            (Some(active), _) => target.copy_from(&active.stream.reference.value),
+            (None, Self::Tool(rows)) => *target = rows.own_reference(at.arm).value,
+            (None, Self::Joints(rows)) => rows.write_target(at, displacement, target),
+            // A position law has no raw rows.
+            (None, Self::Raw(_)) => {}
         }
     }
 

@@ -76,11 +76,22 @@ impl TargetValue {
 
     /// Returns the distance to another value, m and rad together; infinite if it is of another kind.
     pub(crate) fn distance(&self, other: &Self) -> f64 {
-        let (size, same) = (self.len(), std::mem::discriminant(self) == std::mem::discriminant(other));
-        if !same || size != other.len() {
-            return f64::INFINITY;
+        let square = match (self, other) {
+            (Self::Pose(_), Self::Pose(_)) => self.minus(other).iter().map(|entry| entry * entry).sum(),
+            (Self::Rows(to), Self::Rows(from)) if to.len() == from.len() => {
+                to.iter().zip(from.iter()).map(|(to, from)| (to - from) * (to - from)).sum::<f64>()
+            }
+            _ => f64::INFINITY,
+        };
+        square.sqrt()
+    }
+
+    /// Overwrites this value. Nothing is allocated if it has as many rows.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        match (&mut *self, other) {
+            (Self::Rows(to), Self::Rows(from)) if to.len() == from.len() => to.copy_from_slice(from),
+            _ => *self = other.clone(),
         }
-        self.minus(other).iter().map(|entry| entry * entry).sum::<f64>().sqrt()
     }
 
     /// Returns this value moved by a displacement.

@@ -17,6 +17,9 @@ use crate::resolution::Solver;
 /// it is, so more than needed costs accuracy near singularities.
 const MISSTATED: f64 = 0.2;
 
+/// Largest K T of loops that come to rest behind every drive, see [`PositionLaw`](crate::law::PositionLaw).
+const CALM_GAIN: f64 = 2.0 / 3.0;
+
 impl ControllerConfig {
     /// Returns the limits of the robot that every command keeps; `None` for a fixed box, and for the solver `ClosedForm`,
     /// which ignores limits.
@@ -54,9 +57,12 @@ impl ControllerConfig {
     }
 
     /// Returns whether the requests fade when nothing is gained: all tasks follow positions or are bounds. A force or a velocity has no
-    /// place where the arm could rest.
+    /// place where the arm could rest, and a loop with a larger gain than [`CALM_GAIN`] turns in most periods.
     pub(in crate::controller) fn comes_to_rest(&self) -> bool {
-        let rests = |task: &TaskConfig| matches!(task.law, Law::Position(_)) || task.law.bounds().is_some();
+        let rests = |task: &TaskConfig| match task.largest_gain(&self.robot) {
+            Some(gain) => gain * self.period_s <= CALM_GAIN,
+            None => task.law.bounds().is_some(),
+        };
         self.tasks.iter().all(rests)
     }
 

@@ -101,11 +101,21 @@ impl TaskConfig {
         smallest.unwrap_or_else(|| kind.bound())
     }
 
+    /// Returns the largest K of a position law, 1/s, with the rates of its rows; `None`: another law.
+    pub(super) fn largest_gain(&self, robot: &RobotModel) -> Option<f64> {
+        let Law::Position(law) = &self.law else { return None };
+        Some((0..law.rows()).map(|row| self.rate(row, robot) * law.gain()[row]).fold(0.0, f64::max))
+    }
+
+    /// Returns how fast a row moves relative to its displacement: 1, but for joints towards the middle of their ranges.
+    fn rate(&self, row: usize, robot: &RobotModel) -> f64 {
+        self.rows.joint(robot, row).map_or(1.0, |(_, rate)| rate)
+    }
+
     /// Checks the gain of a position law: each period multiplies a displacement by 1 − K T, so K T must be below 2.
     fn check_gain(&self, robot: &RobotModel, period: f64) -> Result<(), TaskConfigError> {
         let Law::Position(law) = &self.law else { return Ok(()) };
-        let rate = |row: usize| self.rows.joint(robot, row).map_or(1.0, |(_, rate)| rate);
-        let bounds = (0..law.rows()).map(|row| 2.0 / (rate(row) * period));
+        let bounds = (0..law.rows()).map(|row| 2.0 / (self.rate(row, robot) * period));
         match bounds.zip(law.gain().iter()).enumerate().find(|(_, (bound, gain))| *gain >= bound) {
             Some((row, (bound, &gain))) => Err(TaskConfigError::Unstable { row, gain, bound }),
             None => Ok(()),

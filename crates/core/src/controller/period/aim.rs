@@ -15,7 +15,7 @@ use crate::controller::state::{Memory, TaskTarget};
 use crate::law::{Law, TargetForce, TaskState};
 use crate::linalg::{Matrix, TaskVector, Vector};
 use crate::resolution::Problem;
-use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TaskStreams};
+use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TargetValue, TaskStreams};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// What the tasks wish in one period.
@@ -135,7 +135,10 @@ fn evaluate_law(
     let streams = TaskStreams::of(streams, k);
     let state = task_state(task, arm, streams);
     if matches!(task.law, Law::Position(_)) {
-        gains.add(k, &state.displacement, task.rows.target_value(arm, streams.position));
+        let write = |target: &mut TargetValue| {
+            task.rows.write_target(arm.at_rest(), streams.position, &state.displacement, target)
+        };
+        gains.add(k, &state.displacement, write);
     }
     let velocity = task.law.velocity(&state, integrator, config.period_s);
     let mut velocity = bounds.bounded(k, (config, &arm.capability), tasks, &state, velocity);

@@ -13,7 +13,7 @@ use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, has_jumped};
+use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, are_moving, has_jumped};
 use crate::linalg::Vector;
 use crate::resolution::TaskOutcome;
 
@@ -91,7 +91,8 @@ fn update_rest(
     rest.tasks.clone_from(&gains.tasks);
     let before = answered.as_ref().filter(|_| in_time);
     let position = arm.measured().configuration.joint_position();
-    if gains.has_new_target || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice())) {
+    let targets_change = gains.has_new_target || are_moving(gains.way, config.period_s);
+    if targets_change || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice())) {
         rest.restart();
     }
     if !progress.iter().any(|progress| progress.is_leaving(arm.time_s)) {

@@ -19,7 +19,7 @@ pub use measurement::Measurement;
 pub(super) use memory::fits_task;
 pub use memory::{Memory, MemoryError};
 pub use progress::{LEAVING_TIME, Progress};
-pub(super) use rest::{Gained, has_jumped};
+pub(super) use rest::{Gained, are_moving, has_jumped};
 pub use rest::{JointTurns, RestState, TaskGain};
 pub use stall::{Stall, StalledJoint};
 pub use step_error::StepError;

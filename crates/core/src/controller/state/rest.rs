@@ -22,7 +22,8 @@
 //! W ← clamp(W + Σ paid − κ Σ g − T W/τ, 0, l + l_0) and s = clamp((l − W)/l_0, 0, 1).
 //!
 //! s scales all requests of the next period alike, so that their balance stays. τ = τ_0 2^k, where k counts how often W has reached
-//! l. A target that jumps starts anew with W = 0, and so does an arm that is elsewhere than in the period before. A motion that
+//! l. Targets that move faster than v_0 or jump start anew with W = 0, and so does an arm that is elsewhere than in the period before:
+//! joints that follow a moving target turn with it. A motion that
 //! leaves a posture ([`Progress`](super::Progress)) neither pays nor fades, and starts anew as well; there are at most
 //! [`MAX_ATTEMPTS`](crate::controller::MAX_ATTEMPTS) of these.
 //!
@@ -80,6 +81,9 @@ const FORGETTING: (f64, u32) = (600.0, 17);
 /// Way of a target in one period from which on it is another target, m or rad.
 const TARGET_JUMP: f64 = 0.02;
 
+/// v_0, speed of all targets together from which on they move, m/s and rad/s.
+const TARGET_SPEED: f64 = 1e-3;
+
 /// Way of a joint from state to state from which on the arm is elsewhere, rad or m: no arm moves so far in a period.
 const ARM_JUMP: f64 = 0.2;
 
@@ -112,7 +116,7 @@ pub struct JointTurns {
 }
 
 /// What a task has gained.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct TaskGain {
     /// e*, m and rad together.
     pub least: f64,
@@ -125,8 +129,8 @@ pub struct TaskGain {
 pub(in crate::controller) enum Gained {
     /// The target is another one.
     NewTarget,
-    /// g.
-    Earned(f64),
+    /// g and d.
+    Earned { gain: f64, way: f64 },
 }
 
 impl RestState {
@@ -176,6 +180,11 @@ impl RestState {
     }
 }
 
+/// Returns whether targets that went `way` (m and rad) in a period (T, s) move.
+pub(in crate::controller) fn are_moving(way: f64, period: f64) -> bool {
+    way > TARGET_SPEED * period
+}
+
 /// Returns whether an arm is elsewhere than one period before (n each).
 pub(in crate::controller) fn has_jumped(position: &[f64], before: &[f64]) -> bool {
     position.iter().zip(before).any(|(now, before)| (now - before).abs() > ARM_JUMP)
@@ -219,19 +228,31 @@ impl JointTurns {
     }
 }
 
+impl Clone for TaskGain {
+    fn clone(&self) -> Self {
+        Self { least: self.least, target: self.target.clone() }
+    }
+
+    // Without allocating.
+    fn clone_from(&mut self, source: &Self) {
+        self.least = source.least;
+        self.target.copy_from(&source.target);
+    }
+}
+
 impl TaskGain {
     /// Updates the gain of a task to a distance from its target, m and rad together.
-    pub(in crate::controller) fn update(gain: &mut Option<Self>, distance: f64, target: TargetValue) -> Gained {
+    pub(in crate::controller) fn update(gain: &mut Option<Self>, distance: f64, target: &TargetValue) -> Gained {
         let way = gain.as_ref().map_or(f64::INFINITY, |gain| target.distance(&gain.target));
         match gain {
             Some(gain) if way <= TARGET_JUMP => {
                 let gained = (gain.least + way - distance).max(0.0);
                 gain.least = (gain.least + way).min(distance);
-                gain.target = target;
-                Gained::Earned(gained + way)
+                gain.target.copy_from(target);
+                Gained::Earned { gain: gained + way, way }
             }
             _ => {
-                *gain = Some(Self { least: distance, target });
+                *gain = Some(Self { least: distance, target: target.clone() });
                 Gained::NewTarget
             }
         }
@@ -280,12 +301,15 @@ mod tests {
     fn progress_pays_for_turning_and_a_new_target_is_told() {
         let value = |x: f64| TargetValue::Rows(TaskVector::from_slice(&[x]));
         let mut gain = None;
-        assert_eq!(TaskGain::update(&mut gain, 1.0, value(0.0)), Gained::NewTarget);
-        assert_eq!(TaskGain::update(&mut gain, 0.75, value(0.0)), Gained::Earned(0.25));
-        assert_eq!(TaskGain::update(&mut gain, 0.875, value(0.0)), Gained::Earned(0.0));
+        assert_eq!(TaskGain::update(&mut gain, 1.0, &value(0.0)), Gained::NewTarget);
+        assert_eq!(TaskGain::update(&mut gain, 0.75, &value(0.0)), Gained::Earned { gain: 0.25, way: 0.0 });
+        assert_eq!(TaskGain::update(&mut gain, 0.875, &value(0.0)), Gained::Earned { gain: 0.0, way: 0.0 });
         // The target moves away: its way is earned, and the task may be as far behind.
-        assert_eq!(TaskGain::update(&mut gain, 0.765625, value(0.015625)), Gained::Earned(0.015625));
-        assert_eq!(TaskGain::update(&mut gain, 0.75, value(1.0)), Gained::NewTarget);
+        assert_eq!(
+            TaskGain::update(&mut gain, 0.765625, &value(0.015625)),
+            Gained::Earned { gain: 0.015625, way: 0.015625 }
+        );
+        assert_eq!(TaskGain::update(&mut gain, 0.75, &value(1.0)), Gained::NewTarget);
     }
 
     #[test]
