@@ -6,10 +6,11 @@ use revprio_problem::{
 };
 
 use super::engine::Engine;
-use super::level::{Solution, refill};
-use super::plan::PlannedProblem;
+use super::hierarchy::Hierarchy;
+use super::named_bounds::write_active_set;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
+use super::solution::{Solution, refill};
 use crate::linalg::{Vector, all_finite, write_product};
 use crate::tolerances::TOLERANCES;
 
@@ -21,9 +22,9 @@ pub fn write_answer(
     run: &mut PlanRun,
     engine: &Engine,
 ) {
-    let PlanRun { planned, solution, scales, contradictions, .. } = run;
+    let PlanRun { levels, solution, scales, contradictions, .. } = run;
     let path = if solution.working_set.is_empty() { Path::ClosedForm } else { Path::ActiveSet };
-    let achieved = planned.task_values(problem.tasks.first_row(singularities.tasks.len()), solution);
+    let achieved = task_values(levels, problem.tasks.first_row(singularities.tasks.len()), solution);
     report_velocity(answer, problem, singularities, &solution.x, achieved);
     for (task, (scale, stated)) in answer.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
         task.scale = scale.filter(|_| stated.scaled);
@@ -34,7 +35,7 @@ pub fn write_answer(
         clear_bounds(answer);
         return;
     }
-    report_bounds(answer, problem, planned, solution);
+    report_bounds(answer, problem, levels, solution);
     std::mem::swap(&mut answer.contradictions, contradictions);
     answer.solver.rank_uncertain |= singularities.rank_uncertain;
     answer.solver.last_resorts = engine.last_resorts;
@@ -43,7 +44,15 @@ pub fn write_answer(
         return;
     }
     answer.active_set.resize_with(1, ActiveSet::new);
-    planned.write_active_set(problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
+    write_active_set(levels, problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
+}
+
+/// Returns J_k q̇ of all tasks in their order, if the rows of the problem are the `count` rows of the tasks and no others;
+/// otherwise nothing.
+fn task_values<'a>(levels: &Hierarchy, count: usize, solution: &'a Solution) -> &'a [f64] {
+    let has_tasks_alone =
+        levels.rows.len() == count && levels.rows.iter().all(|row| matches!(row.origin, Some(BoundId::Task { .. })));
+    if has_tasks_alone { &solution.row_values } else { &[] }
 }
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
@@ -108,7 +117,7 @@ fn clear_bounds(answer: &mut Resolution) {
 }
 
 /// Lists the active bounds from the multipliers.
-fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedProblem, solution: &Solution) {
+fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy, solution: &Solution) {
     let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
     let active = |(joint, &multiplier): (usize, &f64)| {
         let side = Side::of_multiplier(multiplier);
@@ -118,18 +127,17 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedPr
         is_active.then_some(ActiveBound { bound, value, multiplier: multiplier.abs() })
     };
     refill(&mut answer.active_bounds, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
-    let rows = planned.origins.iter().zip(&solution.row_multipliers).enumerate();
-    for (row, (&id, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
-        let Some(id) = id else { continue };
+    let rows = levels.rows.iter().zip(&solution.row_multipliers).enumerate();
+    for (index, (row, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
+        let Some(id) = row.origin else { continue };
         let side = Side::of_multiplier(multiplier);
         let (value, length) = match id {
             // Constraints are the first rows of a problem, with length one.
             BoundId::Constraint { .. } => {
-                let inequality = &problem.inequalities[row];
+                let inequality = &problem.inequalities[index];
                 (inequality.bound(), inequality.coefficients().norm())
             }
-            _ if side == Side::Lower => (planned.levels.row_lower[row], 1.0),
-            _ => (planned.levels.row_upper[row], 1.0),
+            _ => (row.bound(side), 1.0),
         };
         let bound = Bound { id, side };
         answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });

@@ -56,8 +56,8 @@ impl Resolver {
         if !is_known || !run.solution.is_held_back() {
             engine.start(problem.wants_certificate);
             run.begin(problem, zeta);
-            let solver = engine.factorize(&run.planned.levels);
-            singularities.examine(problem, solver, run.has_only_equations, has_guess);
+            let solver = engine.factorize(&run.levels);
+            singularities.examine(problem, run.levels.equation_norm(), solver, run.has_only_equations, has_guess);
             run.solve(problem, guess, singularities, true, engine);
         }
         write_answer(answer, problem, singularities, run, engine);

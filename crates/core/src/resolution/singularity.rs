@@ -2,8 +2,8 @@
 
 use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
-use super::level::refill;
 use super::plan::{Step, examined_step};
+use super::solution::refill;
 use super::solver::SizedSolver;
 use crate::linalg::{DampingFactor, SingularValues, distance_square, dot, smallest_and_product};
 use crate::tolerances::TOLERANCES;
@@ -80,17 +80,24 @@ impl Singularities {
         true
     }
 
-    /// Examines the singular values of all equations, which `solver` has factorised. `keep`: keeps a close bound of them for
+    /// Examines the singular values of all equations, which `solver` has factorised; `norm`: their Frobenius norm. `keep`: keeps a close bound of them for
     /// [`Self::remain_regular`] in later periods.
-    pub fn examine(&mut self, problem: &Problem, solver: &mut dyn SizedSolver, has_only_equations: bool, keep: bool) {
+    pub fn examine(
+        &mut self,
+        problem: &Problem,
+        norm: f64,
+        solver: &mut dyn SizedSolver,
+        has_only_equations: bool,
+        keep: bool,
+    ) {
         let (list, damping) = (problem.tasks.tasks(), problem.damping);
         self.rank_uncertain = solver.rank_uncertain();
-        let norm = solver.active_norm();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
         let independent = threshold.max(TOLERANCES.certain_rank * norm);
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
-        let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };
+        let smallest =
+            if solver.has_independent_rows() { solver.bound_smallest(norm, sure, independent) } else { f64::NAN };
         self.is_regular = smallest >= regular;
         self.reference.clear();
         if keep && self.is_regular && has_only_equations {

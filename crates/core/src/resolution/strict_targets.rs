@@ -5,7 +5,7 @@
 
 use revprio_problem::{Damping, Problem, Task};
 
-use super::level::refill;
+use super::solution::refill;
 use crate::linalg::{DampingFactor, SmallSvd, dot, row_times};
 use crate::tolerances::TOLERANCES;
 

@@ -5,7 +5,7 @@
 
 use super::factorization::FactorRow;
 use crate::linalg::Row;
-use crate::resolution::level::refill;
+use crate::resolution::solution::refill;
 
 /// Workspace for one level.
 #[derive(Debug, Default)]

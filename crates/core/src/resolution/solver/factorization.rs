@@ -8,7 +8,7 @@ use super::dependent_rows::DependentRows;
 use super::problem_rows::ProblemRows;
 use crate::linalg::{Row, SingularValues};
 use crate::resolution::Side;
-use crate::resolution::level::{WorkingSet, refill};
+use crate::resolution::solution::{WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
 /// The rows of one level: first its pivots, then the rows that depend on them.
@@ -165,19 +165,19 @@ impl<const N: usize> Factorization<N> {
         // Written in place: the rows are as many as in the call before.
         self.rows.resize_with(problem.rows.len(), FactorRow::default);
         let (mut free_rows, mut end) = (self.rows.iter_mut(), 0);
-        for level in &problem.levels {
+        for level in problem.levels {
             let start = end;
             let mut target_square = 0.0;
-            for (index, of_problem) in (level.start..).zip(&problem.rows[level.start..level.end]) {
+            for index in level.start..level.end {
                 if has_inequalities && !problem.is_active(set, index) {
                     continue;
                 }
                 let Some(row) = free_rows.next() else { break };
-                let target = if has_inequalities { problem.target(set, index) } else { of_problem.lower };
+                let target = if has_inequalities { problem.target(set, index) } else { problem.rows[index].lower };
                 target_square += target * target;
                 end += 1;
                 row.coordinates = Row::ZERO;
-                (row.rest, row.square) = (of_problem.coefficients, of_problem.square);
+                (row.rest, row.square) = (Row(problem.coefficients[index]), problem.rows[index].square);
                 (row.index, row.target, row.residual) = (index, target, target);
                 if !self.held.is_empty() {
                     row.residual -= row.rest.dot(&self.base);

@@ -12,7 +12,7 @@ mod step;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::{WorkingSet, refill};
+use crate::resolution::solution::{WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
 /// Steps over all levels, for each unknown and each row. Random problems take at most one.
@@ -121,7 +121,7 @@ impl<const N: usize> Cascade<N> {
         let rows = || problem.rows.iter();
         refill(&mut self.lower, problem.lower.0[..n].iter().copied().chain(rows().map(|row| row.lower)));
         refill(&mut self.upper, problem.upper.0[..n].iter().copied().chain(rows().map(|row| row.upper)));
-        let values = rows().map(|row| row.coefficients.dot(&self.x));
+        let values = problem.coefficients.iter().map(|row| self.x.dot(row));
         refill(&mut self.values, self.x.0[..n].iter().copied().chain(values));
         refill(&mut self.slopes, std::iter::repeat_n(0.0, n + problem.rows.len()));
         let of_unknown = |j: usize| if problem.is_pinned(j) { Role::Fixed(None) } else { Role::Kept };
@@ -144,16 +144,16 @@ impl<const N: usize> Cascade<N> {
             return;
         };
         for i in size.start..size.end {
-            let is_inequality = problem.rows[i].lower < problem.rows[i].upper;
+            let is_inequality = !problem.rows[i].is_equation();
             let at = n + i;
-            self.values[at] = problem.rows[i].coefficients.dot(&self.x);
+            self.values[at] = self.x.dot(&problem.coefficients[i]);
             self.roles[at] = if is_inequality {
                 Role::Slack(broken(self.values[at], self.lower[at], self.upper[at]))
             } else {
                 Role::Equation
             };
             if is_active(self.roles[at]) {
-                self.add_curvature(&problem.rows[i].coefficients, 1.0);
+                self.add_curvature(&problem.coefficients[i], 1.0);
             }
         }
     }
@@ -207,7 +207,7 @@ impl<const N: usize> Cascade<N> {
         for i in size.start..size.end {
             let slack = self.slack(problem.unknowns + i);
             if slack != 0.0 {
-                self.gradient.add_scaled(slack, &problem.rows[i].coefficients);
+                self.gradient.add_scaled(slack, &problem.coefficients[i]);
             }
         }
     }
@@ -226,9 +226,9 @@ impl<const N: usize> Cascade<N> {
     fn advance(&mut self, problem: &ProblemRows<N>, level: usize, step: &Row<N>) -> bool {
         let n = problem.unknowns;
         self.slopes[..n].copy_from_slice(&step.0[..n]);
-        for (i, row) in problem.rows.iter().enumerate() {
+        for (i, row) in problem.coefficients.iter().enumerate() {
             if is_moving(self.roles[n + i]) {
-                self.slopes[n + i] = row.coefficients.dot(step);
+                self.slopes[n + i] = step.dot(row);
             }
         }
         let (most, blocking) = self.first_bound(problem, step);
@@ -247,7 +247,7 @@ impl<const N: usize> Cascade<N> {
             if let Role::Slack(before) = self.roles[at] {
                 let after = broken(self.values[at], self.lower[at], self.upper[at]);
                 if after.is_some() != before.is_some() {
-                    self.add_curvature(&problem.rows[at - n].coefficients, if after.is_some() { 1.0 } else { -1.0 });
+                    self.add_curvature(&problem.coefficients[at - n], if after.is_some() { 1.0 } else { -1.0 });
                 }
                 changed |= after != before;
                 self.roles[at] = Role::Slack(after);
@@ -285,7 +285,7 @@ impl<const N: usize> Cascade<N> {
                 }
             };
             if matches!(self.roles[at], Role::Fixed(_)) {
-                self.candidates.push(problem.rows[i].coefficients);
+                self.candidates.push(Row(problem.coefficients[i]));
             }
         }
         self.fix_candidates(own.norm);
