@@ -10,7 +10,7 @@ use super::hierarchy::Hierarchy;
 use super::named_bounds::write_active_set;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
-use super::solution::{Solution, refill};
+use super::solution::{Certainty, Solution, refill};
 use crate::linalg::{Vector, all_finite, write_product};
 use crate::tolerances::TOLERANCES;
 
@@ -30,7 +30,7 @@ pub fn write_answer(
         task.scale = scale.filter(|_| stated.scaled);
     }
     let is_failed = answer.solver.status == Status::Failed;
-    report_solver(answer, path, solution);
+    report_solver(answer, path, solution.certainty);
     if is_failed {
         clear_bounds(answer);
         return;
@@ -119,17 +119,19 @@ fn clear_bounds(answer: &mut Resolution) {
 /// Lists the active bounds from the multipliers.
 fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy, solution: &Solution) {
     let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
-    let active = |(joint, &multiplier): (usize, &f64)| {
+    let bounds = lower.iter().zip(upper).zip(&solution.multipliers).enumerate();
+    let is_active =
+        |(_, ((lower, upper), multiplier)): &(usize, ((&f64, &f64), &f64))| lower == upper || **multiplier != 0.0;
+    let active = |(joint, ((&lower, &upper), &multiplier)): (usize, ((&f64, &f64), &f64))| {
         let side = Side::of_multiplier(multiplier);
-        let value = if side == Side::Lower { lower[joint] } else { upper[joint] };
-        let is_active = lower[joint] == upper[joint] || multiplier != 0.0;
+        let value = if side == Side::Lower { lower } else { upper };
         let bound = Bound { id: BoundId::Joint(joint), side };
-        is_active.then_some(ActiveBound { bound, value, multiplier: multiplier.abs() })
+        ActiveBound { bound, value, multiplier: multiplier.abs() }
     };
-    refill(&mut answer.active_bounds, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
-    let rows = levels.rows.iter().zip(&solution.row_multipliers).enumerate();
-    for (index, (row, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
-        let Some(id) = row.origin else { continue };
+    refill(&mut answer.active_bounds, bounds.filter(is_active).map(active));
+    for &index in &levels.inequalities {
+        let (row, multiplier) = (&levels.rows[index], solution.row_multipliers[index]);
+        let Some(id) = row.origin.filter(|_| multiplier != 0.0) else { continue };
         let side = Side::of_multiplier(multiplier);
         let (value, length) = match id {
             // Constraints are the first rows of a problem, with length one.
@@ -144,17 +146,18 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy,
     }
 }
 
-fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
+fn report_solver(answer: &mut Resolution, path: Path, certainty: Certainty) {
     if answer.solver.status == Status::Failed {
         answer.solver = SolverReport { path, ..SolverReport::default() };
         return;
     }
+    let Certainty { is_optimal, rank_uncertain, kkt_residual, working_sets } = certainty;
     answer.solver = SolverReport {
         path,
-        status: if solution.is_optimal { status(solution.kkt_residual) } else { Status::NotCertified },
-        kkt_residual: Some(solution.kkt_residual).filter(|residual| residual.is_finite()),
-        rank_uncertain: solution.rank_uncertain,
-        working_sets: solution.working_sets,
+        status: if is_optimal { status(kkt_residual) } else { Status::NotCertified },
+        kkt_residual: Some(kkt_residual).filter(|residual| residual.is_finite()),
+        rank_uncertain,
+        working_sets,
         ..SolverReport::default()
     };
 }

@@ -4,16 +4,16 @@ use revprio_problem::{Damping, Problem};
 
 use super::engine::Engine;
 use super::hierarchy::Hierarchy;
-use super::solution::{Solution, Start, refill};
+use super::solution::{Certainty, Solution, Start, refill};
 use crate::linalg::{DampingFactor, SmallSvd, row_times};
 use crate::tolerances::TOLERANCES;
 
 /// Damps the tasks of the stages of reverse priority, and all rows as one level.
 #[derive(Default)]
 pub struct DampedTargets {
-    /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual.
-    pub is_optimal: bool,
-    pub kkt_residual: f64,
+    /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual. Their working sets and
+    /// ranks do not count.
+    pub certainty: Certainty,
     point: Vec<f64>,
     problem: Hierarchy,
     solution: Solution,
@@ -23,7 +23,7 @@ pub struct DampedTargets {
 impl DampedTargets {
     /// Forgets how sure earlier answers were.
     pub fn clear(&mut self) {
-        (self.is_optimal, self.kkt_residual) = (true, 0.0);
+        self.certainty = Certainty::default();
     }
 
     /// Solves min ‖J q̇ − ẋ‖² + factor² ‖q̇ − q̇'‖² for the rows of `tasks` and sets their targets to J q̇. Inequality tasks take
@@ -97,9 +97,8 @@ impl DampedTargets {
     }
 
     fn solve(&mut self, engine: &mut Engine) {
-        engine.solve(&self.problem, Start::Empty, &mut self.solution);
-        self.is_optimal &= self.solution.is_optimal;
-        self.kkt_residual = self.kkt_residual.max(self.solution.kkt_residual);
+        engine.solve(&self.problem, Start::default(), &mut self.solution);
+        self.certainty.add(&Certainty { rank_uncertain: false, working_sets: 0, ..self.solution.certainty });
     }
 }
 

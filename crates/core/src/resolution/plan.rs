@@ -52,24 +52,24 @@ impl Step {
 
 /// Returns the problems of the method for `tasks` tasks, in the order of solution.
 pub fn steps(method: Method, tasks: usize) -> impl Iterator<Item = Step> {
-    let stage = |keeps_lower_tasks| move |task| Step::Stage { task, keeps_lower_tasks };
-    let (single, stages) = match method {
-        Method::Pseudoinverse | Method::DampedLeastSquares => (Some(Step::OneLevel), None),
-        Method::TaskPriority | Method::StrictReversePriority => (Some(Step::Levels), None),
-        Method::SingularityRobust => (None, Some((0..tasks).rev().map(stage(false)))),
-        Method::ReversePriority => (None, Some((0..tasks).rev().map(stage(true)))),
-    };
-    single.into_iter().chain(stages.into_iter().flatten())
+    let count = if matches!(step(method, 0), Step::Stage { .. }) { tasks } else { 1 };
+    (0..count).rev().map(move |task| step(method, task))
+}
+
+/// Returns the problem of the method for task k; most methods have one problem for all tasks.
+fn step(method: Method, task: usize) -> Step {
+    match method {
+        Method::Pseudoinverse | Method::DampedLeastSquares => Step::OneLevel,
+        Method::TaskPriority | Method::StrictReversePriority => Step::Levels,
+        Method::SingularityRobust => Step::Stage { task, keeps_lower_tasks: false },
+        Method::ReversePriority => Step::Stage { task, keeps_lower_tasks: true },
+    }
 }
 
 /// Returns the problem whose equations show how near the tasks are to singularities: the last one, if it holds the rows of all
 /// tasks.
 pub fn examined_step(method: Method) -> Step {
-    match method {
-        Method::Pseudoinverse | Method::DampedLeastSquares => Step::OneLevel,
-        Method::ReversePriority => Step::Stage { task: 0, keeps_lower_tasks: true },
-        Method::TaskPriority | Method::StrictReversePriority | Method::SingularityRobust => Step::Levels,
-    }
+    if method == Method::SingularityRobust { Step::Levels } else { step(method, 0) }
 }
 
 /// Returns whether a level that holds all rows is damped.

@@ -5,7 +5,7 @@ use revprio_problem::{Damping, Side};
 use super::engine::Engine;
 use super::hierarchy::{Demand, Hierarchy};
 use super::regularity::HALF_WIDTH;
-use super::solution::{Solution, Start, WorkingSet, refill};
+use super::solution::{Certainty, Solution, Start, WorkingSet, refill};
 
 /// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
 const WIDEST: f64 = 10.0;
@@ -45,7 +45,7 @@ impl RelaxedLevels {
             }
             problem.end_level();
         }
-        engine.solve(problem, Start::Empty, &mut self.free);
+        engine.solve(problem, Start::default(), &mut self.free);
         self.scale = 1.0;
         for (&x, (lower, upper)) in self.free.x.iter().zip(levels.bounds()) {
             let middle = middle(lower, upper);
@@ -72,22 +72,18 @@ impl RelaxedLevels {
             (middle + self.scale * (x - middle)).max(lower).min(upper)
         };
         refill(&mut self.near, self.free.x.iter().zip(levels.bounds()).map(near));
-        let (mut is_optimal, mut kkt_residual, mut working_sets, mut rank_uncertain) = (true, 0.0_f64, 0, false);
+        let mut certainty = Certainty::default();
         for level in kept..levels.levels.len() {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
             self.guess.clear(levels.unknowns, self.problem.rows.len());
             self.guess.unknowns.clone_from(&self.active);
-            engine.solve(&self.problem, Start::Guess(&self.guess), found);
+            engine.solve(&self.problem, Start { guess: Some(&self.guess), is_factorized: false }, found);
             self.active.clone_from(&found.working_set.unknowns);
-            is_optimal &= found.is_optimal;
-            kkt_residual = kkt_residual.max(found.kkt_residual);
-            working_sets += found.working_sets;
-            rank_uncertain |= found.rank_uncertain;
+            certainty.add(&found.certainty);
             self.near.clone_from(&found.x);
         }
         refill(&mut found.row_values, (0..levels.rows.len()).map(|row| levels.value(row, &self.near)));
-        (found.is_optimal, found.kkt_residual) = (is_optimal, kkt_residual);
-        (found.working_sets, found.rank_uncertain) = (working_sets, rank_uncertain);
+        found.certainty = certainty;
     }
 
     /// Writes the problem that reaches for one level: the first `kept` levels, then a level of rows that reach for it, rows

@@ -93,7 +93,7 @@ impl Smoothing {
             }
         }
         for part in self.parts[1..=last].iter().chain([&self.relaxed.free]) {
-            solution.doubt(part);
+            solution.certainty.add(&part.certainty);
         }
         levels.settle(solution, &self.parts[last]);
     }

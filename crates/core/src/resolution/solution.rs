@@ -31,15 +31,42 @@ impl WorkingSet {
 }
 
 /// Where the search for a working set begins.
-#[derive(Debug, Clone, Copy)]
-pub enum Start<'a> {
-    /// Without active bounds.
-    Empty,
-    /// With a guess.
-    Guess(&'a WorkingSet),
-    /// The problem is the one that was factorised last, without its limits: without active bounds if that is already the
-    /// answer, otherwise with a guess.
-    Factorized(&'a WorkingSet),
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Start<'a> {
+    /// A guess; without one, the search begins without active bounds.
+    pub guess: Option<&'a WorkingSet>,
+    /// Whether the problem is the one that was factorised last, without its limits. The search then begins without active
+    /// bounds if that is already the answer.
+    pub is_factorized: bool,
+}
+
+/// How sure a solution is, and how it was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certainty {
+    /// Whether the optimality conditions hold.
+    pub is_optimal: bool,
+    /// Whether rounding may have decided a rank.
+    pub rank_uncertain: bool,
+    /// Largest relative residual of the optimality conditions.
+    pub kkt_residual: f64,
+    /// Working sets that were tried.
+    pub working_sets: u32,
+}
+
+impl Default for Certainty {
+    fn default() -> Self {
+        Self { is_optimal: true, rank_uncertain: false, kkt_residual: 0.0, working_sets: 0 }
+    }
+}
+
+impl Certainty {
+    /// Adds that of another solution on the way to the same answer.
+    pub fn add(&mut self, other: &Self) {
+        self.is_optimal &= other.is_optimal;
+        self.rank_uncertain |= other.rank_uncertain;
+        self.kkt_residual = self.kkt_residual.max(other.kkt_residual);
+        self.working_sets += other.working_sets;
+    }
 }
 
 /// The solution of a [`Hierarchy`](super::hierarchy::Hierarchy) with its optimality conditions evaluated.
@@ -56,14 +83,7 @@ pub struct Solution {
     pub multipliers: Vec<f64>,
     /// The same for each active inequality row.
     pub row_multipliers: Vec<f64>,
-    /// Whether the optimality conditions hold.
-    pub is_optimal: bool,
-    /// Whether rounding may have decided a rank.
-    pub rank_uncertain: bool,
-    /// Largest relative residual of the optimality conditions.
-    pub kkt_residual: f64,
-    /// Working sets that were tried.
-    pub working_sets: u32,
+    pub certainty: Certainty,
     /// Whether the last resort found the working set.
     pub is_last_resort: bool,
 }
@@ -76,23 +96,12 @@ impl Solution {
         self.working_set.copy_from(&other.working_set);
         self.multipliers.clone_from(&other.multipliers);
         self.row_multipliers.clone_from(&other.row_multipliers);
-        let Self { is_optimal, rank_uncertain, kkt_residual, working_sets, is_last_resort, .. } = *other;
-        self.is_last_resort = is_last_resort;
-        (self.is_optimal, self.rank_uncertain) = (is_optimal, rank_uncertain);
-        (self.kkt_residual, self.working_sets) = (kkt_residual, working_sets);
+        (self.certainty, self.is_last_resort) = (other.certainty, other.is_last_resort);
     }
 
     /// Returns whether a bound holds x back.
     pub fn is_held_back(&self) -> bool {
         self.multipliers.iter().chain(&self.row_multipliers).any(|multiplier| *multiplier != 0.0)
-    }
-
-    /// Adds the uncertainties of a solution that this one is computed from.
-    pub fn doubt(&mut self, other: &Self) {
-        self.is_optimal &= other.is_optimal;
-        self.kkt_residual = self.kkt_residual.max(other.kkt_residual);
-        self.working_sets += other.working_sets;
-        self.rank_uncertain |= other.rank_uncertain;
     }
 }
 

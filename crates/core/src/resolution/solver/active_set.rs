@@ -9,7 +9,7 @@ use super::rungs::{Rung, Rungs};
 use super::search::Search;
 use crate::linalg::all_finite;
 use crate::resolution::Side;
-use crate::resolution::solution::{Solution, Start, WorkingSet, refill};
+use crate::resolution::solution::{Certainty, Solution, Start, WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
@@ -74,38 +74,37 @@ impl<const N: usize> ActiveSetSolver<N> {
         self.cascade.reserve(problem.unknowns, problem.rows.len());
         self.solved.rank_tolerance = TOLERANCES.rank;
         // Pinned unknowns are held, so that the factorisation without limits does not fit.
-        let is_factorized = matches!(start, Start::Factorized(_)) && !problem.has_pinned;
+        let is_factorized = start.is_factorized && !problem.has_pinned;
         debug_assert!(!is_factorized || self.solved.held.is_empty(), "another problem was factorised");
-        let guess = match start {
-            Start::Factorized(_) if is_factorized && self.holds_nothing(problem, solution) => return,
-            Start::Empty => None,
-            Start::Guess(guess) | Start::Factorized(guess) => Some(guess).filter(|guess| !guess.is_empty()),
-        };
+        if is_factorized && self.holds_nothing(problem, solution) {
+            return;
+        }
+        let guess = start.guess.filter(|guess| !guess.is_empty());
         let mut met_uncertain_rank = self.solve_from(problem, guess, is_factorized, solution);
-        let mut tried = solution.working_sets;
-        if guess.is_some() && (met_uncertain_rank || !solution.is_optimal) {
+        let mut tried = solution.certainty.working_sets;
+        if guess.is_some() && (met_uncertain_rank || !solution.certainty.is_optimal) {
             met_uncertain_rank = self.solve_from(problem, None, false, solution);
             self.count_again(Rung::WithoutGuess, solution);
-            tried += solution.working_sets;
+            tried += solution.certainty.working_sets;
         }
         for tolerance in TOLERANCES.uncertain_rank {
-            if solution.is_optimal || !met_uncertain_rank {
+            if solution.certainty.is_optimal || !met_uncertain_rank {
                 break;
             }
             self.solved.rank_tolerance = tolerance;
             self.solve_from(problem, None, false, solution);
             self.count_again(Rung::LargerRankTolerance, solution);
-            tried += solution.working_sets;
-            solution.rank_uncertain = true;
+            tried += solution.certainty.working_sets;
+            solution.certainty.rank_uncertain = true;
         }
-        solution.working_sets = tried;
+        solution.certainty.working_sets = tried;
     }
 
-    /// Factorises the equations of a problem, without its limits and without active inequality rows.
+    /// Factorises the equations of a problem without limits, without active inequality rows.
     pub fn factorize(&mut self, problem: &ProblemRows<N>) {
         self.solved.rank_tolerance = TOLERANCES.rank;
         self.set.clear(problem.unknowns, problem.rows.len());
-        self.solved.solve(&problem.without_box(), &self.set);
+        self.solved.solve(problem, &self.set);
     }
 
     /// Returns whether the empty set, which is factorised, is the right one. The answer is then written.
@@ -177,8 +176,8 @@ impl<const N: usize> ActiveSetSolver<N> {
     }
 
     fn count_again(&mut self, rung: Rung, solution: &Solution) {
-        self.rungs[rung].tried += u64::from(solution.working_sets);
-        self.rungs[rung].answered += u64::from(solution.is_optimal);
+        self.rungs[rung].tried += u64::from(solution.certainty.working_sets);
+        self.rungs[rung].answered += u64::from(solution.certainty.is_optimal);
     }
 
     /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
@@ -285,10 +284,12 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.working_set.copy_from(set);
         refill(&mut solution.multipliers, conditions.multipliers.0[..n].iter().copied());
         solution.row_multipliers.clone_from(&conditions.row_multipliers);
-        solution.is_optimal = conditions.are_met() && all_finite(&x.0);
-        solution.kkt_residual = conditions.residual;
-        solution.working_sets = tried;
-        solution.rank_uncertain = solved.rank_uncertain;
+        solution.certainty = Certainty {
+            is_optimal: conditions.are_met() && all_finite(&x.0),
+            rank_uncertain: solved.rank_uncertain,
+            kkt_residual: conditions.residual,
+            working_sets: tried,
+        };
     }
 }
 

@@ -27,26 +27,25 @@ pub struct ProblemRows<'a, const N: usize> {
 impl<'a, const N: usize> ProblemRows<'a, N> {
     /// Returns the rows of a problem.
     pub fn new(problem: &'a Hierarchy) -> Self {
-        let [lower, upper, reference] =
-            [&problem.lower, &problem.upper, &problem.reference].map(|list| Row(list.as_chunks().0[0]));
+        let [lower, upper] = [&problem.lower, &problem.upper].map(|list| Row(list.as_chunks().0[0]));
+        // Without branches.
+        let has_pinned = lower.iter().zip(upper.iter()).fold(false, |found, (lower, upper)| found | (lower >= upper));
+        Self { lower, upper, has_pinned, ..Self::without_box(problem) }
+    }
+
+    /// Returns the rows of a problem, without bounds of the unknowns.
+    pub fn without_box(problem: &'a Hierarchy) -> Self {
         Self {
             unknowns: problem.unknowns,
-            lower,
-            upper,
-            reference,
-            has_pinned: lower.iter().zip(upper.iter()).any(|(lower, upper)| lower >= upper),
+            lower: Row([f64::NEG_INFINITY; N]),
+            upper: Row([f64::INFINITY; N]),
+            reference: Row(problem.reference.as_chunks().0[0]),
+            has_pinned: false,
             rows: &problem.rows,
             coefficients: problem.coefficients.as_chunks().0,
             inequalities: &problem.inequalities,
             levels: &problem.levels,
         }
-    }
-
-    /// Returns the same problem without bounds of the unknowns.
-    #[must_use]
-    pub fn without_box(self) -> Self {
-        let (lower, upper) = (Row([f64::NEG_INFINITY; N]), Row([f64::INFINITY; N]));
-        Self { lower, upper, has_pinned: false, ..self }
     }
 
     /// Returns the bound that an active row is held at; equations have one.

@@ -61,7 +61,7 @@ impl<const N: usize> SizedSolver for OfWidth<N> {
     }
 
     fn factorize(&mut self, problem: &Hierarchy) {
-        self.solver.factorize(&ProblemRows::new(problem));
+        self.solver.factorize(&ProblemRows::without_box(problem));
     }
 
     fn rungs(&self) -> Rungs {

@@ -138,7 +138,7 @@ impl<const N: usize> Cascade<N> {
         match problem.levels.get(level) {
             None => product = direction,
             Some(size) => {
-                for i in (size.start..size.end).filter(|&i| is_active(self.roles[problem.unknowns + i])) {
+                for i in (size.start..size.end).filter(|&i| is_active(self.constraints[problem.unknowns + i].role)) {
                     let row = &problem.coefficients[i];
                     product.add_scaled(direction.dot(row), row);
                 }
@@ -174,7 +174,7 @@ impl<const N: usize> Cascade<N> {
         if length > TOLERANCES.cascade_dependent * bound.normal.norm() {
             self.fixed.push(direction.scaled(1.0 / length));
         }
-        self.roles[bound.constraint] = Role::Fixed(Some(bound.side));
+        self.constraints[bound.constraint].role = Role::Fixed(Some(bound.side));
     }
 
     /// Adds the candidates to the fixed directions, the longest remaining one first, and takes them from the free ones.

@@ -38,7 +38,7 @@ fn the_last_factorisation_tells_the_singular_values() {
         let n = hierarchy.unknowns;
         let mut solver = HierarchicalSolver::default();
         let solver = solver.of_width(&hierarchy);
-        solver.solve(&hierarchy, Start::Empty, &mut Solution::default());
+        solver.solve(&hierarchy, Start::default(), &mut Solution::default());
         let (mut N, mut open) = (Matrix::identity(n, n), n);
         for (level, A) in matrices.iter().enumerate() {
             let svd = Svd::new(&(A * &N));
@@ -84,8 +84,8 @@ fn each_number_of_unknowns_has_a_solver() {
         hierarchy.push_equation((0..n).map(|_| 1.0), 1.0);
         hierarchy.end_level();
         let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
-        solver.of_width(&hierarchy).solve(&hierarchy, Start::Empty, &mut solution);
+        solver.of_width(&hierarchy).solve(&hierarchy, Start::default(), &mut solution);
         assert!(solution.x.iter().all(|x| (x * n as f64 - 1.0).abs() < 1e-12), "{n} unknowns");
-        assert!(solution.is_optimal && solution.kkt_residual < 1e-14);
+        assert!(solution.certainty.is_optimal && solution.certainty.kkt_residual < 1e-14);
     }
 }
