@@ -4,7 +4,6 @@
 mod damping;
 mod row;
 mod singular_values;
-mod small_svd;
 mod spectrum;
 mod svd;
 mod task_vector;
@@ -14,7 +13,6 @@ pub use damping::DampingFactor;
 pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
 pub use singular_values::SingularValues;
-pub use small_svd::SmallSvd;
 pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::Svd;
 pub use task_vector::TaskVector;

@@ -5,7 +5,7 @@ use revprio_problem::{Damping, Problem};
 use super::engine::Engine;
 use super::hierarchy::Hierarchy;
 use super::solution::{Certainty, Solution, Start, refill};
-use crate::linalg::{DampingFactor, SmallSvd, row_times};
+use crate::linalg::{DampingFactor, Svd, row_times};
 use crate::tolerances::TOLERANCES;
 
 /// Damps the tasks of the stages of reverse priority, and all rows as one level.
@@ -17,7 +17,7 @@ pub struct DampedTargets {
     point: Vec<f64>,
     problem: Hierarchy,
     solution: Solution,
-    svd: SmallSvd,
+    svd: Svd,
 }
 
 impl DampedTargets {
