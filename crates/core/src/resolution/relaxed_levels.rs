@@ -1,6 +1,6 @@
 //! Answers that keep some levels exactly and reach for the others as far as damping lets them.
 
-use revprio_problem::{Damping, Side};
+use revprio_problem::Damping;
 
 use super::engine::Engine;
 use super::hierarchy::{Demand, Hierarchy};
@@ -29,14 +29,15 @@ pub struct RelaxedLevels {
     /// τ: how much of the way from the middle of the box to x^f is in the box.
     scale: f64,
     guess: WorkingSet,
-    active: Vec<Option<Side>>,
+    /// The bounds that are active in the last answer, with the rows of the exact problem.
+    active: WorkingSet,
 }
 
 impl RelaxedLevels {
     /// Computes x^f and τ.
     pub fn start(&mut self, levels: &Hierarchy, hard: usize, engine: &mut Engine, exact: &Solution) {
         self.hard = hard;
-        self.active.clone_from(&exact.working_set.unknowns);
+        self.active.copy_from(&exact.working_set);
         let problem = &mut self.problem;
         problem.clear(&levels.reference[..levels.unknowns]);
         for level in &levels.levels {
@@ -75,10 +76,14 @@ impl RelaxedLevels {
         let mut certainty = Certainty::default();
         for level in kept..levels.levels.len() {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
+            // The first rows are those of the exact problem, some of them with other bounds.
+            let end = levels.levels[level].end;
             self.guess.clear(levels.unknowns, self.problem.rows.len());
-            self.guess.unknowns.clone_from(&self.active);
+            self.guess.unknowns.copy_from_slice(&self.active.unknowns);
+            self.guess.rows[..end].copy_from_slice(&self.active.rows[..end]);
             engine.solve(&self.problem, Start { guess: Some(&self.guess), is_factorized: false }, found);
-            self.active.clone_from(&found.working_set.unknowns);
+            self.active.unknowns.copy_from_slice(&found.working_set.unknowns);
+            self.active.rows[..end].copy_from_slice(&found.working_set.rows[..end]);
             certainty.add(&found.certainty);
             self.near.clone_from(&found.x);
         }
