@@ -39,7 +39,8 @@ impl Svd {
             self.entries.extend((0..longer).map(|j| if m > n { entry(j, i) } else { entry(i, j) }));
             self.entries.extend((0..shorter).map(|j| if i == j { 1.0 } else { 0.0 }));
         }
-        let size = self.entries.chunks_exact(stride.max(1)).flat_map(|row| &row[..longer]).fold(0.0, largest);
+        let entries = self.entries.chunks_exact(stride.max(1)).flat_map(|row| &row[..longer]);
+        let size = entries.fold(0.0, |size: f64, entry| size.max(entry.abs()));
         self.unit = if size.is_normal() { size.log2().floor().exp2() } else { 1.0 };
         for row in self.entries.chunks_exact_mut(stride.max(1)) {
             row[..longer].iter_mut().for_each(|entry| *entry /= self.unit);
@@ -128,10 +129,6 @@ impl Svd {
     fn first_right(&self, rank: usize) -> Matrix {
         Matrix::from_iterator(self.columns, rank, (0..rank).flat_map(|place| self.right(place)))
     }
-}
-
-fn largest(size: f64, entry: &f64) -> f64 {
-    size.max(entry.abs())
 }
 
 /// Rotates pairs of rows of `stride` entries until their first `columns` entries are orthogonal to each other.

@@ -28,8 +28,8 @@ impl<'a, const N: usize> ProblemRows<'a, N> {
     /// Returns the rows of a problem.
     pub fn new(problem: &'a Hierarchy) -> Self {
         let [lower, upper] = [&problem.lower, &problem.upper].map(|list| Row(list.as_chunks().0[0]));
-        // Without branches.
-        let has_pinned = lower.iter().zip(upper.iter()).fold(false, |found, (lower, upper)| found | (lower >= upper));
+        // A count has no branches.
+        let has_pinned = lower.iter().zip(upper.iter()).filter(|(lower, upper)| lower >= upper).count() > 0;
         Self { lower, upper, has_pinned, ..Self::without_box(problem) }
     }
 
