@@ -7,6 +7,7 @@ mod active_set;
 mod cascade;
 mod conditions;
 mod dependent_rows;
+mod factor_row;
 mod factorization;
 mod primal;
 mod problem_rows;
