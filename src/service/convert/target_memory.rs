@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
-use revprio_core::linalg::TaskVector;
+use revprio_core::law::TaskVector;
 use revprio_core::streaming::{Reference, Target, TargetStream, TargetValue};
 
 use super::checks::{Inside, Result, each, foreign};

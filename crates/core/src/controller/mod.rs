@@ -49,7 +49,7 @@ pub use config::{
     SteepGain, TaskConfig, TaskConfigError, WrenchConvention, WrenchFrame,
 };
 pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
-pub use stability::{ContactLoop, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
+pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use state::{
     AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress,
     RestState, Stall, StalledJoint, StepError, StuckTask, TaskGain, TaskTarget,

@@ -1,7 +1,8 @@
 //! Bounds of a velocity in place of a velocity.
 
 use super::task_state::TaskState;
-use crate::linalg::{TaskVector, Vector};
+use super::task_vector::TaskVector;
+use crate::linalg::Vector;
 
 /// Constant bounds lower ≤ ẋ ≤ upper, m entries each, m/s and rad/s; infinite where there is no bound.
 ///

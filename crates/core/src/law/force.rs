@@ -6,7 +6,7 @@ use revprio_robot::profile::Profile;
 
 use super::gains::Gains;
 use super::task_state::TaskState;
-use crate::linalg::TaskVector;
+use super::task_vector::TaskVector;
 
 /// The force law M_d Ẍ + B_d Ẋ − F_d = −F_e: the tool pushes until the contact force F_e equals F_d.
 ///

@@ -1,6 +1,7 @@
 //! Inertia, damping and stiffness of a law.
 
-use crate::linalg::{TaskVector, Vector};
+use super::task_vector::TaskVector;
+use crate::linalg::Vector;
 
 /// Inertia M_d, damping B_d and stiffness K_d of one task, diagonal, m entries each.
 ///

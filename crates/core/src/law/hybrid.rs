@@ -6,7 +6,7 @@ use revprio_robot::profile::Profile;
 
 use super::gains::Gains;
 use super::task_state::{TargetForce, TaskState};
-use crate::linalg::TaskVector;
+use super::task_vector::TaskVector;
 
 /// The hybrid law M_d ΔẌ + B_d ΔẊ + K_d S ΔX = (I − S) F_d − F_e: some axes follow a force, the others a pose.
 ///

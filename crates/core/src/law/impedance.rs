@@ -4,7 +4,7 @@
 
 use super::gains::Gains;
 use super::task_state::TaskState;
-use crate::linalg::TaskVector;
+use super::task_vector::TaskVector;
 
 /// The impedance law M_d ΔẌ + B_d ΔẊ + K_d ΔX = −F_e: the tool yields like mass, damper and spring about a target X_d,
 /// which may move.

@@ -28,6 +28,7 @@ mod hybrid;
 mod impedance;
 mod position;
 mod task_state;
+mod task_vector;
 
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use force::ForceLaw;
@@ -38,10 +39,9 @@ pub use position::{Braking, PositionLaw, PositionLawError};
 pub(crate) use position::{braking_factor, linear_share};
 pub use revprio_robot::profile::{MIN_DURATION, Point, Profile, ProfileError, SetPoint};
 pub use task_state::{TargetForce, TaskState};
+pub use task_vector::TaskVector;
 
 use smallvec::SmallVec;
-
-use crate::linalg::TaskVector;
 
 /// The law of one task.
 #[derive(Debug, Clone, PartialEq)]

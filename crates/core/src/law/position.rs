@@ -1,7 +1,8 @@
 //! The position law: `pose` on rows of the tool, `posture` on joints.
 
 use super::task_state::TaskState;
-use crate::linalg::{TaskVector, Vector};
+use super::task_vector::TaskVector;
+use crate::linalg::Vector;
 
 /// The position law ẋ = ẋ_d + f K (x_d − x), K diagonal, 1/s, with the factor f ≤ 1 of the braking profile.
 ///

@@ -3,7 +3,7 @@
 use revprio_robot::profile::Profile;
 use smallvec::SmallVec;
 
-use crate::linalg::TaskVector;
+use super::task_vector::TaskVector;
 
 /// The measured state of one task: m entries each, along the axes of the task's frame.
 #[derive(Debug, Clone, PartialEq, Default)]

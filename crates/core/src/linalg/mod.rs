@@ -1,23 +1,17 @@
 //! The linear algebra that is not in nalgebra: padded rows, singular values that are right where they coincide, the smallest
-//! singular value of a triangle, damping, eigenvalues with a bound on the steps.
+//! singular value of a triangle, damping.
 
 mod damping;
 mod row;
 mod singular_values;
-mod small_svd;
-mod spectrum;
 mod svd;
-mod task_vector;
 mod triangle;
 
 pub use damping::DampingFactor;
 pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
 pub use singular_values::SingularValues;
-pub use small_svd::SmallSvd;
-pub use spectrum::{EigenvalueError, eigenvalues};
 pub use svd::Svd;
-pub use task_vector::TaskVector;
 pub use triangle::{smallest_and_product, smallest_eigenvalue, smallest_from_inverse, write_inverse};
 
 use crate::tolerances::TOLERANCES;

@@ -4,6 +4,7 @@
 //! fixed order and no fused multiplication: the same numbers give the same bits on every machine.
 
 use std::array;
+use std::ops::Deref;
 
 /// A row of up to N numbers, zero beyond the last one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +14,14 @@ pub struct Row<const N: usize>(pub [f64; N]);
 impl<const N: usize> Default for Row<N> {
     fn default() -> Self {
         Self::ZERO
+    }
+}
+
+impl<const N: usize> Deref for Row<N> {
+    type Target = [f64; N];
+
+    fn deref(&self) -> &[f64; N] {
+        &self.0
     }
 }
 
@@ -30,8 +39,8 @@ impl<const N: usize> Row<N> {
 
     /// Returns Σ a_i b_i.
     #[inline]
-    pub fn dot(&self, other: &Self) -> f64 {
-        let (a, b) = (self.0.as_chunks::<4>().0, other.0.as_chunks::<4>().0);
+    pub fn dot(&self, other: &[f64; N]) -> f64 {
+        let (a, b) = (self.0.as_chunks::<4>().0, other.as_chunks::<4>().0);
         let mut sums: [f64; 4] = array::from_fn(|lane| a[0][lane] * b[0][lane]);
         for (a, b) in a[1..].iter().zip(&b[1..]) {
             for lane in 0..4 {
@@ -62,8 +71,8 @@ impl<const N: usize> Row<N> {
 
     /// Adds `factor` · `other`.
     #[inline]
-    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
-        for (entry, other) in self.0.iter_mut().zip(&other.0) {
+    pub fn add_scaled(&mut self, factor: f64, other: &[f64; N]) {
+        for (entry, other) in self.0.iter_mut().zip(other) {
             *entry += factor * other;
         }
     }
@@ -103,8 +112,8 @@ impl<const N: usize> Row<N> {
     /// Returns the products of the entries.
     #[inline]
     #[must_use]
-    pub fn times(&self, other: &Self) -> Self {
-        Self(array::from_fn(|i| self.0[i] * other.0[i]))
+    pub fn times(&self, other: &[f64; N]) -> Self {
+        Self(array::from_fn(|i| self.0[i] * other[i]))
     }
 
     /// Returns the entries moved into [lower, upper].

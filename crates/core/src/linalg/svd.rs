@@ -8,43 +8,62 @@ use crate::tolerances::TOLERANCES;
 /// Sweeps over all pairs of rows. About five are needed.
 const MAX_SWEEPS: usize = 60;
 
-/// A = U diag(σ) Vᵀ with min(m, n) singular values in descending order.
-#[derive(Debug, Clone, PartialEq)]
+/// A = U diag(σ) Vᵀ with min(m, n) singular values in descending order; each decomposition overwrites the one before.
+#[derive(Debug, Clone, Default)]
 pub struct Svd {
-    /// m × min(m, n).
-    u: Matrix,
+    /// A row for each singular value: σ times the vector of the longer side, then the vector of the shorter side.
+    entries: Vec<f64>,
+    /// The rows by descending singular value.
+    order: Vec<usize>,
     sigma: Vec<f64>,
-    /// min(m, n) × n.
-    v_transposed: Matrix,
+    /// The power of two by which the entries are divided, so that no square overflows.
+    unit: f64,
+    rows: usize,
+    columns: usize,
 }
 
 impl Svd {
-    /// Decomposes an m × n matrix.
+    /// Decomposes a matrix.
     pub fn new(a: &Matrix) -> Self {
-        if a.nrows() > a.ncols() {
-            let Self { u, sigma, v_transposed } = Self::new(&a.transpose());
-            return Self { u: v_transposed.transpose(), sigma, v_transposed: u.transpose() };
+        let mut svd = Self::default();
+        svd.decompose(a.nrows(), a.ncols(), |i, j| a[(i, j)]);
+        svd
+    }
+
+    /// Decomposes the m × n matrix with these entries (row, column).
+    pub fn decompose(&mut self, m: usize, n: usize, entry: impl Fn(usize, usize) -> f64) {
+        (self.rows, self.columns) = (m, n);
+        let (shorter, longer, stride) = (m.min(n), m.max(n), m + n);
+        self.entries.clear();
+        for i in 0..shorter {
+            self.entries.extend((0..longer).map(|j| if m > n { entry(j, i) } else { entry(i, j) }));
+            self.entries.extend((0..shorter).map(|j| if i == j { 1.0 } else { 0.0 }));
         }
-        let (m, n) = a.shape();
-        // Each row of A is followed by the row of the rotations that it has undergone.
-        let stride = n + m;
-        let size = a.amax();
-        let unit = if size.is_normal() { 1.0 / size } else { 1.0 };
-        let identity = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-        let mut entries: Vec<f64> = (0..m)
-            .flat_map(|i| (0..stride).map(move |j| if j < n { a[(i, j)] * unit } else { identity(i, j - n) }))
-            .collect();
-        orthogonalize(&mut entries, stride, n);
-        let length = |row: &[f64]| dot(&row[..n], &row[..n]).sqrt();
-        let mut rows: Vec<&[f64]> = entries.chunks_exact(stride.max(1)).collect();
-        rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
-        let sigma: Vec<f64> = rows.iter().map(|row| length(row)).collect();
-        let direction = |i: usize, j: usize| if sigma[i] > 0.0 { rows[i][j] / sigma[i] } else { 0.0 };
-        Self {
-            u: Matrix::from_fn(m, m, |i, j| rows[j][n + i]),
-            v_transposed: Matrix::from_fn(m, n, direction),
-            sigma: sigma.iter().map(|sigma| sigma / unit).collect(),
+        let entries = self.entries.chunks_exact(stride.max(1)).flat_map(|row| &row[..longer]);
+        let size = entries.fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        self.unit = if size.is_normal() { size.log2().floor().exp2() } else { 1.0 };
+        for row in self.entries.chunks_exact_mut(stride.max(1)) {
+            row[..longer].iter_mut().for_each(|entry| *entry /= self.unit);
         }
+        orthogonalize(&mut self.entries, stride, longer);
+        let Self { entries, order, sigma, unit, .. } = self;
+        sigma.clear();
+        let length = |row: &[f64]| row[..longer].iter().map(|x| x * x).sum::<f64>().sqrt();
+        sigma.extend(entries.chunks_exact(stride.max(1)).map(|row| length(row) * *unit));
+        order.clear();
+        order.extend(0..shorter);
+        order.sort_unstable_by(|&a, &b| sigma[b].total_cmp(&sigma[a]));
+        sigma.sort_unstable_by(|a, b| b.total_cmp(a));
+    }
+
+    /// Returns the number of singular values, min(m, n).
+    pub fn count(&self) -> usize {
+        self.sigma.len()
+    }
+
+    /// Returns the singular value of this place, 0 = largest.
+    pub fn sigma(&self, place: usize) -> f64 {
+        self.sigma[place]
     }
 
     /// Returns the singular values, largest first.
@@ -62,32 +81,58 @@ impl Svd {
         self.sigma.iter().take_while(|&&sigma| sigma > tolerance).count()
     }
 
+    /// Returns the left singular vector of a singular value that is not zero, m.
+    pub fn left(&self, place: usize) -> impl Iterator<Item = f64> {
+        self.vector(place, self.rows > self.columns)
+    }
+
+    /// Returns the right singular vector of a singular value that is not zero, n.
+    pub fn right(&self, place: usize) -> impl Iterator<Item = f64> {
+        self.vector(place, self.rows <= self.columns)
+    }
+
+    fn vector(&self, place: usize, is_longer: bool) -> impl Iterator<Item = f64> {
+        let (longer, stride) = (self.rows.max(self.columns), self.rows + self.columns);
+        let row = &self.entries[self.order[place] * stride..][..stride];
+        let length = self.sigma(place) / self.unit;
+        let (own, length) = if is_longer { (&row[..longer], length) } else { (&row[longer..], 1.0) };
+        own.iter().map(move |entry| entry / length)
+    }
+
     /// Returns the first `rank` left singular vectors, m × rank.
     pub fn range(&self, rank: usize) -> Matrix {
-        self.u.columns(0, rank).into_owned()
+        Matrix::from_iterator(self.rows, rank, (0..rank).flat_map(|place| self.left(place)))
     }
 
     /// Returns the projector onto the first `rank` right singular vectors, n × n.
     pub fn row_projector(&self, rank: usize) -> Matrix {
-        let rows = self.v_transposed.rows(0, rank);
-        rows.tr_mul(&rows)
+        let vectors = self.first_right(rank);
+        &vectors * vectors.transpose()
     }
 
     /// Returns Aᵀ(A Aᵀ + λ² I)⁻¹ from the `rank` largest singular values, n × m; the pseudo-inverse for λ = 0.
     pub fn inverse(&self, rank: usize, lambda: f64) -> Matrix {
-        let gain = |i: usize| self.sigma[i] / (self.sigma[i] * self.sigma[i] + lambda * lambda);
-        let scaled = Matrix::from_fn(rank, self.u.nrows(), |i, j| gain(i) * self.u[(j, i)]);
-        self.v_transposed.rows(0, rank).tr_mul(&scaled)
+        let mut scaled = self.first_right(rank);
+        for (place, mut column) in scaled.column_iter_mut().enumerate() {
+            let sigma = self.sigma(place);
+            column *= sigma / (sigma * sigma + lambda * lambda);
+        }
+        scaled * self.range(rank).transpose()
     }
 
     /// Returns Aᵀ(A Aᵀ + λ² I)⁻¹ b from the `rank` largest singular values.
     pub fn solve(&self, rank: usize, lambda: f64, b: &Vector) -> Vector {
         self.inverse(rank, lambda) * b
     }
+
+    /// Returns the first `rank` right singular vectors, n × rank.
+    fn first_right(&self, rank: usize) -> Matrix {
+        Matrix::from_iterator(self.columns, rank, (0..rank).flat_map(|place| self.right(place)))
+    }
 }
 
 /// Rotates pairs of rows of `stride` entries until their first `columns` entries are orthogonal to each other.
-pub(super) fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) {
+fn orthogonalize(entries: &mut [f64], stride: usize, columns: usize) {
     let count = entries.len() / stride.max(1);
     for _ in 0..MAX_SWEEPS {
         let mut rotated = false;
@@ -118,4 +163,27 @@ fn rotate(x: &mut [f64], y: &mut [f64], columns: usize) -> bool {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wide_and_tall_matrices_are_the_products_of_their_parts() {
+        let entry = |i: usize, j: usize| ((3 * i + 5 * j * j + i * j) % 7) as f64 - 2.5;
+        let mut svd = Svd::default();
+        for (m, n) in [(2, 4), (4, 2), (3, 3), (1, 1)] {
+            svd.decompose(m, n, entry);
+            assert_eq!((svd.count(), svd.rank(1e-9)), (m.min(n), m.min(n)));
+            assert!((1..svd.count()).all(|place| svd.sigma(place) <= svd.sigma(place - 1)));
+            for (i, j) in (0..m).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let part = |place| {
+                    svd.sigma(place) * svd.left(place).nth(i).unwrap_or(0.0) * svd.right(place).nth(j).unwrap_or(0.0)
+                };
+                let sum: f64 = (0..svd.count()).map(part).sum();
+                assert!((sum - entry(i, j)).abs() < 1e-12, "{m} x {n}: {sum}");
+            }
+        }
+    }
 }

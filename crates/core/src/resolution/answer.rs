@@ -6,10 +6,11 @@ use revprio_problem::{
 };
 
 use super::engine::Engine;
-use super::level::{Solution, refill};
-use super::plan::PlannedProblem;
+use super::hierarchy::Hierarchy;
+use super::named_bounds::write_active_set;
 use super::plan_run::PlanRun;
 use super::singularity::{Singularities, TaskSingularity};
+use super::solution::{Certainty, Solution, refill};
 use crate::linalg::{Vector, all_finite, write_product};
 use crate::tolerances::TOLERANCES;
 
@@ -21,20 +22,20 @@ pub fn write_answer(
     run: &mut PlanRun,
     engine: &Engine,
 ) {
-    let PlanRun { planned, solution, scales, contradictions, .. } = run;
+    let PlanRun { levels, solution, scales, contradictions, .. } = run;
     let path = if solution.working_set.is_empty() { Path::ClosedForm } else { Path::ActiveSet };
-    let achieved = planned.task_values(problem.tasks.first_row(singularities.tasks.len()), solution);
+    let achieved = task_values(levels, problem.tasks.first_row(singularities.tasks.len()), solution);
     report_velocity(answer, problem, singularities, &solution.x, achieved);
     for (task, (scale, stated)) in answer.tasks.iter_mut().zip(scales.iter().zip(problem.tasks.tasks())) {
         task.scale = scale.filter(|_| stated.scaled);
     }
     let is_failed = answer.solver.status == Status::Failed;
-    report_solver(answer, path, solution);
+    report_solver(answer, path, solution.certainty);
     if is_failed {
         clear_bounds(answer);
         return;
     }
-    report_bounds(answer, problem, planned, solution);
+    report_bounds(answer, problem, levels, solution);
     std::mem::swap(&mut answer.contradictions, contradictions);
     answer.solver.rank_uncertain |= singularities.rank_uncertain;
     answer.solver.last_resorts = engine.last_resorts;
@@ -43,7 +44,15 @@ pub fn write_answer(
         return;
     }
     answer.active_set.resize_with(1, ActiveSet::new);
-    planned.write_active_set(problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
+    write_active_set(levels, problem.tasks.joint_count(), &solution.working_set, &mut answer.active_set[0]);
+}
+
+/// Returns J_k q̇ of all tasks in their order, if the rows of the problem are the `count` rows of the tasks and no others;
+/// otherwise nothing.
+fn task_values<'a>(levels: &Hierarchy, count: usize, solution: &'a Solution) -> &'a [f64] {
+    let has_tasks_alone =
+        levels.rows.len() == count && levels.rows.iter().all(|row| matches!(row.origin, Some(BoundId::Task { .. })));
+    if has_tasks_alone { &solution.row_values } else { &[] }
 }
 
 /// Sets the velocity and what follows from it alone. A velocity that is not finite is replaced by standstill, with the
@@ -108,45 +117,47 @@ fn clear_bounds(answer: &mut Resolution) {
 }
 
 /// Lists the active bounds from the multipliers.
-fn report_bounds(answer: &mut Resolution, problem: &Problem, planned: &PlannedProblem, solution: &Solution) {
+fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy, solution: &Solution) {
     let (lower, upper) = (problem.limits.lower().as_slice(), problem.limits.upper().as_slice());
-    let active = |(joint, &multiplier): (usize, &f64)| {
+    let bounds = lower.iter().zip(upper).zip(&solution.multipliers).enumerate();
+    let is_active =
+        |(_, ((lower, upper), multiplier)): &(usize, ((&f64, &f64), &f64))| lower == upper || **multiplier != 0.0;
+    let active = |(joint, ((&lower, &upper), &multiplier)): (usize, ((&f64, &f64), &f64))| {
         let side = Side::of_multiplier(multiplier);
-        let value = if side == Side::Lower { lower[joint] } else { upper[joint] };
-        let is_active = lower[joint] == upper[joint] || multiplier != 0.0;
+        let value = if side == Side::Lower { lower } else { upper };
         let bound = Bound { id: BoundId::Joint(joint), side };
-        is_active.then_some(ActiveBound { bound, value, multiplier: multiplier.abs() })
+        ActiveBound { bound, value, multiplier: multiplier.abs() }
     };
-    refill(&mut answer.active_bounds, solution.multipliers[..lower.len()].iter().enumerate().filter_map(active));
-    let rows = planned.origins.iter().zip(&solution.row_multipliers).enumerate();
-    for (row, (&id, &multiplier)) in rows.filter(|(_, (_, multiplier))| **multiplier != 0.0) {
-        let Some(id) = id else { continue };
+    refill(&mut answer.active_bounds, bounds.filter(is_active).map(active));
+    for &index in &levels.inequalities {
+        let (row, multiplier) = (&levels.rows[index], solution.row_multipliers[index]);
+        let Some(id) = row.origin.filter(|_| multiplier != 0.0) else { continue };
         let side = Side::of_multiplier(multiplier);
         let (value, length) = match id {
             // Constraints are the first rows of a problem, with length one.
             BoundId::Constraint { .. } => {
-                let inequality = &problem.inequalities[row];
+                let inequality = &problem.inequalities[index];
                 (inequality.bound(), inequality.coefficients().norm())
             }
-            _ if side == Side::Lower => (planned.levels.row_lower[row], 1.0),
-            _ => (planned.levels.row_upper[row], 1.0),
+            _ => (row.bound(side), 1.0),
         };
         let bound = Bound { id, side };
         answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
     }
 }
 
-fn report_solver(answer: &mut Resolution, path: Path, solution: &Solution) {
+fn report_solver(answer: &mut Resolution, path: Path, certainty: Certainty) {
     if answer.solver.status == Status::Failed {
         answer.solver = SolverReport { path, ..SolverReport::default() };
         return;
     }
+    let Certainty { is_optimal, rank_uncertain, kkt_residual, working_sets } = certainty;
     answer.solver = SolverReport {
         path,
-        status: if solution.is_optimal { status(solution.kkt_residual) } else { Status::NotCertified },
-        kkt_residual: Some(solution.kkt_residual).filter(|residual| residual.is_finite()),
-        rank_uncertain: solution.rank_uncertain,
-        working_sets: solution.working_sets,
+        status: if is_optimal { status(kkt_residual) } else { Status::NotCertified },
+        kkt_residual: Some(kkt_residual).filter(|residual| residual.is_finite()),
+        rank_uncertain,
+        working_sets,
         ..SolverReport::default()
     };
 }

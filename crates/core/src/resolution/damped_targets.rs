@@ -3,26 +3,27 @@
 use revprio_problem::{Damping, Problem};
 
 use super::engine::Engine;
-use super::level::{Hierarchy, Solution, Start, refill};
-use crate::linalg::{DampingFactor, SmallSvd, row_times};
+use super::hierarchy::Hierarchy;
+use super::solution::{Certainty, Solution, Start, refill};
+use crate::linalg::{DampingFactor, Svd, row_times};
 use crate::tolerances::TOLERANCES;
 
 /// Damps the tasks of the stages of reverse priority, and all rows as one level.
 #[derive(Default)]
 pub struct DampedTargets {
-    /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual.
-    pub is_optimal: bool,
-    pub kkt_residual: f64,
+    /// Whether all problems since [`Self::clear`] were solved to optimality, and their largest residual. Their working sets and
+    /// ranks do not count.
+    pub certainty: Certainty,
     point: Vec<f64>,
     problem: Hierarchy,
     solution: Solution,
-    svd: SmallSvd,
+    svd: Svd,
 }
 
 impl DampedTargets {
     /// Forgets how sure earlier answers were.
     pub fn clear(&mut self) {
-        (self.is_optimal, self.kkt_residual) = (true, 0.0);
+        self.certainty = Certainty::default();
     }
 
     /// Solves min ‖J q̇ − ẋ‖² + factor² ‖q̇ − q̇'‖² for the rows of `tasks` and sets their targets to J q̇. Inequality tasks take
@@ -39,10 +40,9 @@ impl DampedTargets {
         self.problem.clear(before);
         for k in tasks.clone().filter(|&k| problem.tasks.tasks()[k].is_equation()) {
             let (task, first) = (&problem.tasks.tasks()[k], problem.tasks.first_row(k));
-            let target = |row: usize| targets[first + row];
-            self.problem.push_matrix(&task.jacobian, target, target);
+            self.problem.push_equations(&task.jacobian, |row| targets[first + row]);
         }
-        push_damping(&mut self.problem, factor, before);
+        end_damped_level(&mut self.problem, factor, before);
         self.solve(engine);
         refill(&mut self.point, self.solution.x.iter().copied());
         for k in tasks.filter(|&k| problem.tasks.tasks()[k].is_equation()) {
@@ -87,29 +87,25 @@ impl DampedTargets {
         levels.clear(before);
         for place in 0..kept {
             let reached = svd.right(place).zip(point.iter()).map(|(a, x)| a * x).sum();
-            levels.push_row(svd.right(place), reached, reached);
+            levels.push_equation(svd.right(place), reached);
         }
         levels.end_level();
         for task in problem.tasks.tasks()[k + 1..].iter().filter(|task| task.is_equation()) {
-            let achieved = |row| row_times(&task.jacobian, row, before);
-            levels.push_matrix(&task.jacobian, achieved, achieved);
+            levels.push_equations(&task.jacobian, |row| row_times(&task.jacobian, row, before));
         }
-        push_damping(levels, factor, before);
+        end_damped_level(levels, factor, before);
     }
 
     fn solve(&mut self, engine: &mut Engine) {
-        engine.solve(&self.problem, &[], Start::Empty, &mut self.solution);
-        self.is_optimal &= self.solution.is_optimal;
-        self.kkt_residual = self.kkt_residual.max(self.solution.kkt_residual);
+        engine.solve(&self.problem, Start::default(), &mut self.solution);
+        self.certainty.add(&Certainty { rank_uncertain: false, working_sets: 0, ..self.solution.certainty });
     }
 }
 
-/// Adds the rows factor q̇ = factor q̇' and ends the level.
-fn push_damping(levels: &mut Hierarchy, factor: f64, before: &[f64]) {
+/// Adds the rows factor q̇ = factor q̇', and ends the level.
+fn end_damped_level(levels: &mut Hierarchy, factor: f64, before: &[f64]) {
     if factor > 0.0 {
-        for (i, &x) in before.iter().enumerate() {
-            levels.push_row((0..before.len()).map(|j| if i == j { factor } else { 0.0 }), factor * x, factor * x);
-        }
+        levels.push_near(factor, before);
     }
     levels.end_level();
 }

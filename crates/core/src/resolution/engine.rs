@@ -1,9 +1,8 @@
 //! Solving planned problems, and what can be asked about a solved one.
 
-use revprio_problem::BoundId;
-
 use super::certified::Record;
-use super::level::{Hierarchy, Solution, Start};
+use super::hierarchy::Hierarchy;
+use super::solution::{Solution, Start};
 use super::solver::{HierarchicalSolver, Rungs, SizedSolver};
 
 /// The hierarchical solver, with a record for certificates.
@@ -19,7 +18,6 @@ pub struct Engine {
 /// The solver of a problem, which knows its factorisation on the last working set.
 pub struct Solved<'e> {
     engine: &'e mut Engine,
-    unknowns: usize,
 }
 
 impl Engine {
@@ -36,39 +34,38 @@ impl Engine {
 
     /// Factorises the equations of a problem, without its limits and without active inequality rows.
     pub fn factorize(&mut self, levels: &Hierarchy) -> &mut dyn SizedSolver {
-        let solver = self.solver.of_width(levels.unknowns);
+        let solver = self.solver.of_width(levels);
         solver.factorize(levels);
         solver
     }
 
-    /// Solves a problem whose rows mean `origins` (empty: they are auxiliary).
-    pub fn solve(
-        &mut self,
-        levels: &Hierarchy,
-        origins: &[Option<BoundId>],
-        start: Start,
-        solution: &mut Solution,
-    ) -> Solved<'_> {
-        let unknowns = levels.unknowns;
-        let solver = self.solver.of_width(unknowns);
+    /// Solves a problem.
+    pub fn solve(&mut self, levels: &Hierarchy, start: Start, solution: &mut Solution) -> Solved<'_> {
+        let solver = self.solver.of_width(levels);
         solver.solve(levels, start, solution);
         self.last_resorts += u32::from(solution.is_last_resort);
         if let Some(record) = &mut self.record {
-            record.push(levels, origins, &solution.x, solver);
+            record.push(levels, &solution.x, solver);
         }
-        Solved { engine: self, unknowns }
+        Solved { engine: self }
     }
 }
 
 impl<'e> Solved<'e> {
     /// Solves another problem instead.
-    pub fn again(self, levels: &Hierarchy, origins: &[Option<BoundId>], start: Start, solution: &mut Solution) -> Self {
+    pub fn again(self, levels: &Hierarchy, start: Start, solution: &mut Solution) -> Self {
         let engine: &'e mut Engine = self.engine;
-        engine.solve(levels, origins, start, solution)
+        engine.solve(levels, start, solution)
     }
 
-    /// Writes the multipliers of one level: of the rows (sign of b − A x), and of the unknowns.
-    pub fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
-        self.engine.solver.of_width(self.unknowns).write_level_multipliers(level, rows, unknowns);
+    /// Writes the multipliers of one level of the solved problem: of the rows (sign of b − A x), and of the unknowns.
+    pub fn write_level_multipliers(
+        &mut self,
+        levels: &Hierarchy,
+        level: usize,
+        rows: &mut Vec<f64>,
+        unknowns: &mut Vec<f64>,
+    ) {
+        self.engine.solver.of_width(levels).write_level_multipliers(levels, level, rows, unknowns);
     }
 }

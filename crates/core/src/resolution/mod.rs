@@ -36,7 +36,8 @@ mod certified;
 mod contradiction;
 mod damped_targets;
 mod engine;
-mod level;
+mod hierarchy;
+mod named_bounds;
 mod plan;
 mod plan_run;
 mod regularity;
@@ -45,6 +46,7 @@ mod resolver;
 mod scaling;
 mod singularity;
 mod smoothing;
+mod solution;
 mod solver;
 mod strict_targets;
 

@@ -5,21 +5,23 @@ use revprio_problem::{ActiveSet, Contradiction, Problem, Task};
 use super::contradiction::write_contradictions;
 use super::damped_targets::DampedTargets;
 use super::engine::{Engine, Solved};
-use super::level::{Solution, Start, WorkingSet, refill};
-use super::plan::{Aim, PlannedProblem, Scaling, Step, damps_one_level, examined_step, steps};
+use super::hierarchy::Hierarchy;
+use super::named_bounds::write_guess;
+use super::plan::{Aim, Scaling, Step, damps_one_level, examined_step, scale_unknown, steps, write};
 use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
+use super::solution::{Certainty, Solution, Start, WorkingSet, refill};
 use super::strict_targets::StrictTargets;
 
 /// A run of a plan and its result.
 #[derive(Default)]
 pub struct PlanRun {
     /// The problem that was solved last, with limits.
-    pub planned: PlannedProblem,
+    pub levels: Hierarchy,
     /// Its solution: q̇, then the speeds of scaled tasks.
     pub solution: Solution,
-    /// Scale of each task; `None` without one.
+    /// Scale of each task, `None` without one; empty without scaled tasks.
     pub scales: Vec<Option<f64>>,
     /// Inequalities that cannot be kept together.
     pub contradictions: Vec<Contradiction>,
@@ -44,14 +46,13 @@ pub struct PlanRun {
 impl PlanRun {
     /// Writes the problem that holds the rows of all tasks, for equations that are independent. Such equations need no other
     /// problem: each stage below the highest one meets its task.
-    pub fn begin(&mut self, problem: &Problem, zeta: &[f64]) {
-        self.start(problem, zeta);
-        let tasks = problem.tasks.tasks();
-        self.has_only_equations = tasks.iter().all(Task::is_equation);
-        self.lower_tasks_are_met = self.has_only_equations;
+    pub fn begin(&mut self, problem: &Problem) {
+        self.start(problem);
+        self.lower_tasks_are_met = true;
         let step = examined_step(problem.method);
         self.write(problem, step, 0.0);
         self.begun = Some(step);
+        self.has_only_equations = self.levels.inequalities.len() == problem.inequalities.len();
     }
 
     /// Solves the plan of the problem's method, after [`Self::begin`].
@@ -64,44 +65,49 @@ impl PlanRun {
         engine: &mut Engine,
     ) {
         let (tasks, n) = (problem.tasks.tasks(), problem.tasks.joint_count());
-        let (mut kkt_residual, mut is_optimal, mut working_sets, mut rank_uncertain) = (0.0_f64, true, 0, false);
+        let has_guess = guess.iter().any(|set| !set.is_empty());
+        let mut certainty = Certainty::default();
         self.lower_tasks_are_met = self.has_only_equations && singularities.is_regular;
         let skips_stages = self.lower_tasks_are_met;
         for step in steps(problem.method, tasks.len()).filter(|step| !(skips_stages && step.only_keeps_lower_tasks())) {
             let damping = self.damp(problem, step, singularities, engine);
-            is_optimal &= self.damped.is_optimal;
-            kkt_residual = kkt_residual.max(self.damped.kkt_residual);
-            let is_written = skips_stages && self.begun == Some(step);
+            certainty.add(&self.damped.certainty);
+            // Without damping, a problem that aims at the tasks alone is the same.
+            let is_same = skips_stages || (problem.damping.is_none() && !matches!(step, Step::Stage { .. }));
+            let is_written = is_same && self.begun == Some(step);
             if !is_written {
                 self.write(problem, step, damping);
             }
-            self.planned.write_guess(guess, &mut self.guess);
-            let start = if is_written && is_factorized { Start::Factorized } else { Start::Guess };
-            let PlannedProblem { levels, origins, .. } = &self.planned;
-            let solved = engine.solve(levels, origins, start(&self.guess), &mut self.solution);
+            if has_guess {
+                write_guess(&self.levels, guess, &mut self.guess);
+            }
+            let start = Start { guess: has_guess.then_some(&self.guess), is_factorized: is_written && is_factorized };
+            let solved = engine.solve(&self.levels, start, &mut self.solution);
             self.finish(problem, step, (damping, singularities.is_regular), solved);
             self.smooth(problem, engine);
-            kkt_residual = kkt_residual.max(self.solution.kkt_residual);
-            is_optimal &= self.solution.is_optimal;
-            working_sets += self.solution.working_sets;
-            rank_uncertain |= self.solution.rank_uncertain;
-            refill(&mut self.before, self.solution.x[..n].iter().copied());
+            certainty.add(&self.solution.certainty);
+            if !step.is_last() {
+                refill(&mut self.before, self.solution.x[..n].iter().copied());
+            }
         }
-        let solution = &mut self.solution;
-        (solution.kkt_residual, solution.is_optimal) = (kkt_residual, is_optimal);
-        (solution.working_sets, solution.rank_uncertain) = (working_sets, rank_uncertain);
+        self.solution.certainty = certainty;
     }
 
     /// Forgets the run before.
-    fn start(&mut self, problem: &Problem, zeta: &[f64]) {
+    fn start(&mut self, problem: &Problem) {
         let tasks = problem.tasks.tasks();
-        refill(&mut self.before, zeta.iter().copied());
+        self.before.clear();
+        match &problem.null_space_velocity {
+            Some(zeta) => self.before.extend_from_slice(zeta.as_slice()),
+            None => self.before.resize(problem.tasks.joint_count(), 0.0),
+        }
         self.targets.clear();
         for task in tasks {
             self.targets.extend_from_slice(task.lower.as_slice());
         }
-        refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, tasks.len()));
-        refill(&mut self.scales, tasks.iter().map(|_| None));
+        let scaled = if tasks.iter().any(|task| task.scaled) { tasks.len() } else { 0 };
+        refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, scaled));
+        refill(&mut self.scales, std::iter::repeat_n(None, scaled));
         self.contradictions.clear();
     }
 
@@ -110,16 +116,16 @@ impl PlanRun {
         if !step.is_last() {
             return;
         }
-        let has_scaled = problem.tasks.tasks().iter().any(|task| task.scaled);
-        if has_scaled && is_regular && self.solution.is_optimal && !self.solution.is_held_back() {
+        let has_scaled = !self.scaling.is_empty();
+        if has_scaled && is_regular && self.solution.certainty.is_optimal && !self.solution.is_held_back() {
             // Independent equations are met where nothing holds them back.
             let is_met = |k: usize| self.lower_tasks_are_met || step.reaches(k);
             refill(&mut self.scales, (0..problem.tasks.tasks().len()).map(|k| is_met(k).then_some(1.0)));
         } else if has_scaled {
             solved = self.scale(problem, step, damping, solved);
         }
-        if self.solution.is_optimal {
-            write_contradictions(problem, &self.planned, &self.solution, &mut solved, &mut self.contradictions);
+        if self.solution.certainty.is_optimal {
+            write_contradictions(problem, &self.levels, &self.solution, &mut solved, &mut self.contradictions);
         }
     }
 
@@ -127,14 +133,14 @@ impl PlanRun {
     fn smooth(&mut self, problem: &Problem, engine: &mut Engine) {
         let keeps_direction = self.scales.iter().any(Option::is_some);
         if let Some(factors) = problem.damping.filter(|_| !keeps_direction) {
-            self.smoothing.apply(&self.planned, factors, engine, &mut self.solution);
+            self.smoothing.apply(&self.levels, factors, engine, &mut self.solution);
         }
     }
 
     fn write(&mut self, problem: &Problem, step: Step, damping: f64) {
         let Self { targets, before, scaling, lower_tasks_are_met, .. } = self;
         let aim = Aim { targets, before, damping, scaling, lower_tasks_are_met: *lower_tasks_are_met };
-        self.planned.write(problem, step, &aim);
+        write(&mut self.levels, problem, step, &aim);
     }
 
     /// Replaces the targets of a step by the velocities that damping leaves of them; returns the factor of its damping rows.
@@ -156,7 +162,7 @@ impl PlanRun {
             }
             Step::Levels => {
                 if known.iter().any(|task| task.strict > 0.0) {
-                    damped.kkt_residual = strict.lower(problem, factors, before, targets);
+                    damped.certainty.kkt_residual = strict.lower(problem, factors, before, targets);
                 }
                 0.0
             }
@@ -185,7 +191,8 @@ impl PlanRun {
             } else if let Scaling::On { rows, speed } = self.scaled.scaling() {
                 self.scaling[k] = Scaling::On { rows, speed };
                 solved = self.solve_again(problem, step, damping, solved);
-                let scale = self.planned.scale_unknowns[k].map_or(0.0, |unknown| self.solution.x[unknown] / speed);
+                let unknown = scale_unknown(problem.tasks.joint_count(), &self.scaling, k);
+                let scale = self.solution.x[unknown] / speed;
                 if self.scaled.keeps_direction(&self.solution.x, scale) {
                     self.set_scale(problem, step, k, Some(scale));
                 } else {
@@ -202,11 +209,10 @@ impl PlanRun {
     }
 
     fn solve_again<'e>(&mut self, problem: &Problem, step: Step, damping: f64, solved: Solved<'e>) -> Solved<'e> {
-        let tried = self.solution.working_sets;
+        let tried = self.solution.certainty.working_sets;
         self.write(problem, step, damping);
-        let PlannedProblem { levels, origins, .. } = &self.planned;
-        let solved = solved.again(levels, origins, Start::Empty, &mut self.solution);
-        self.solution.working_sets += tried;
+        let solved = solved.again(&self.levels, Start::default(), &mut self.solution);
+        self.solution.certainty.working_sets += tried;
         solved
     }
 

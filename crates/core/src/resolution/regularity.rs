@@ -1,7 +1,7 @@
 //! How far from singular the levels are on what their bounds leave.
 
-use super::level::{Hierarchy, Solution, refill};
-use super::plan::PlannedProblem;
+use super::hierarchy::Hierarchy;
+use super::solution::{Solution, refill};
 use crate::linalg::{Matrix, Row, dot, smallest_eigenvalue};
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
@@ -28,9 +28,8 @@ pub struct Regularity {
 
 impl Regularity {
     /// Sets the rows that count: all but the damping rows, whose number changes where the factor becomes zero.
-    pub fn start(&mut self, planned: &PlannedProblem) {
-        let rows = 0..planned.levels.row_count();
-        refill(&mut self.counted, rows.filter(|&row| planned.origins[row].is_some()));
+    pub fn start(&mut self, levels: &Hierarchy) {
+        refill(&mut self.counted, (0..levels.rows.len()).filter(|&row| levels.rows[row].origin.is_some()));
     }
 
     /// Returns s for the first `kept` levels at a solution, from 0 (singular) to 1 (singular values above the threshold).
@@ -39,9 +38,9 @@ impl Regularity {
     /// unknown and the rows above it are independent on what the bounds leave.
     pub fn of(&mut self, levels: &Hierarchy, kept: usize, solution: &Solution, threshold: f64) -> f64 {
         self.measure_room(levels, solution);
-        let end = levels.level_ends[kept - 1];
+        let end = levels.levels[kept - 1].end;
         let independent = self.row_regularity(levels, end, threshold);
-        let start = levels.level_start(kept - 1);
+        let start = levels.levels[kept - 1].start;
         if independent == 1.0 || end < levels.unknowns {
             return independent;
         }
@@ -52,11 +51,10 @@ impl Regularity {
 
     /// Measures how much room each unknown and each inequality row has to its nearer bound: 0 at the bound, 1 far from it.
     fn measure_room(&mut self, levels: &Hierarchy, solution: &Solution) {
-        let bounds = levels.lower.iter().zip(&levels.upper);
-        refill(&mut self.room, solution.x.iter().zip(bounds).map(|(&x, (&lower, &upper))| room(x, lower, upper)));
-        let rows = (0..levels.row_count())
-            .map(|row| room(solution.row_values[row], levels.row_lower[row], levels.row_upper[row]));
-        refill(&mut self.row_room, rows);
+        let unknowns = solution.x.iter().zip(levels.bounds());
+        refill(&mut self.room, unknowns.map(|(&x, (lower, upper))| room(x, lower, upper)));
+        let rows = solution.row_values.iter().zip(&levels.rows);
+        refill(&mut self.row_room, rows.map(|(&value, row)| room(value, row.lower, row.upper)));
     }
 
     /// Returns the regularity of the first `end` rows: from the smallest singular value of [A C, diag(c)], with C the room of
@@ -86,7 +84,7 @@ impl Regularity {
     fn column_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
         let n = levels.unknowns;
         refill(&mut self.gram, std::iter::repeat_n(0.0, n * n));
-        for row in (0..end).filter(|&row| levels.is_equation(row)).map(|row| levels.row(row)) {
+        for row in (0..end).filter(|&row| levels.rows[row].is_equation()).map(|row| levels.row(row)) {
             for i in 0..n {
                 for j in 0..n {
                     self.gram[i * n + j] += row[i] * row[j];
@@ -215,6 +213,7 @@ fn exceeds(matrix: &mut [f64], size: usize, bound: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::resolution::hierarchy::Demand;
 
     /// Reproducible numbers between −1 and 1.
     fn numbers() -> impl FnMut() -> f64 {
@@ -235,7 +234,7 @@ mod tests {
             let mut levels = Hierarchy::default();
             levels.clear(&[0.0; 6]);
             for _ in 0..12 {
-                levels.push_row((0..n).map(|_| number()).collect::<Vec<_>>(), 0.0, 1.0);
+                levels.push_row((0..n).map(|_| number()).collect::<Vec<_>>(), Demand::between(0.0, 1.0, None));
             }
             levels.end_level();
             let mut regularity = Regularity {
@@ -256,7 +255,7 @@ mod tests {
     fn a_threshold_that_is_hardly_a_number_ends_the_bisection() {
         let mut levels = Hierarchy::default();
         levels.clear(&[0.0]);
-        levels.push_row([0.0], 0.0, 1.0);
+        levels.push_row([0.0], Demand::between(0.0, 1.0, None));
         levels.end_level();
         let mut regularity =
             Regularity { room: vec![0.0], row_room: vec![0.0], counted: vec![0], ..Regularity::default() };

@@ -1,11 +1,11 @@
 //! Answers that keep some levels exactly and reach for the others as far as damping lets them.
 
-use revprio_problem::{Damping, Side};
+use revprio_problem::Damping;
 
 use super::engine::Engine;
-use super::level::{Hierarchy, Solution, Start, WorkingSet, refill};
-use super::plan::PlannedProblem;
+use super::hierarchy::{Demand, Hierarchy};
 use super::regularity::HALF_WIDTH;
+use super::solution::{Certainty, Solution, Start, WorkingSet, refill};
 
 /// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
 const WIDEST: f64 = 10.0;
@@ -29,25 +29,26 @@ pub struct RelaxedLevels {
     /// τ: how much of the way from the middle of the box to x^f is in the box.
     scale: f64,
     guess: WorkingSet,
-    active: Vec<Option<Side>>,
+    /// The bounds that are active in the last answer, with the rows of the exact problem.
+    active: WorkingSet,
 }
 
 impl RelaxedLevels {
     /// Computes x^f and τ.
-    pub fn start(&mut self, planned: &PlannedProblem, hard: usize, engine: &mut Engine, exact: &Solution) {
+    pub fn start(&mut self, levels: &Hierarchy, hard: usize, engine: &mut Engine, exact: &Solution) {
         self.hard = hard;
-        self.active.clone_from(&exact.working_set.unknowns);
-        let (levels, problem) = (&planned.levels, &mut self.problem);
-        problem.clear(&levels.reference);
-        for level in 0..levels.level_ends.len() {
-            for row in (levels.level_start(level)..levels.level_ends[level]).filter(|&row| levels.is_equation(row)) {
-                problem.push_row(levels.row(row).iter().copied(), levels.row_lower[row], levels.row_upper[row]);
+        self.active.copy_from(&exact.working_set);
+        let problem = &mut self.problem;
+        problem.clear(&levels.reference[..levels.unknowns]);
+        for level in &levels.levels {
+            for row in level.rows().filter(|&row| levels.rows[row].is_equation()) {
+                problem.push_equation(levels.row(row).iter().copied(), levels.rows[row].lower);
             }
             problem.end_level();
         }
-        engine.solve(problem, &[], Start::Empty, &mut self.free);
+        engine.solve(problem, Start::default(), &mut self.free);
         self.scale = 1.0;
-        for (&x, (&lower, &upper)) in self.free.x.iter().zip(levels.lower.iter().zip(&levels.upper)) {
+        for (&x, (lower, upper)) in self.free.x.iter().zip(levels.bounds()) {
             let middle = middle(lower, upper);
             let (width, distance) = (if x > middle { upper - middle } else { middle - lower }, (x - middle).abs());
             // A pinned joint has no way inside the box.
@@ -67,28 +68,27 @@ impl RelaxedLevels {
         engine: &mut Engine,
         found: &mut Solution,
     ) {
-        let bounds = levels.lower.iter().zip(&levels.upper);
-        let near = |(x, (&lower, &upper)): (&f64, (&f64, &f64))| {
+        let near = |(x, (lower, upper)): (&f64, (f64, f64))| {
             let middle = middle(lower, upper);
             (middle + self.scale * (x - middle)).max(lower).min(upper)
         };
-        refill(&mut self.near, self.free.x.iter().zip(bounds).map(near));
-        let (mut is_optimal, mut kkt_residual, mut working_sets, mut rank_uncertain) = (true, 0.0_f64, 0, false);
-        for level in kept..levels.level_ends.len() {
+        refill(&mut self.near, self.free.x.iter().zip(levels.bounds()).map(near));
+        let mut certainty = Certainty::default();
+        for level in kept..levels.levels.len() {
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
-            self.guess.clear(levels.unknowns, self.problem.row_count());
-            self.guess.unknowns.clone_from(&self.active);
-            engine.solve(&self.problem, &[], Start::Guess(&self.guess), found);
-            self.active.clone_from(&found.working_set.unknowns);
-            is_optimal &= found.is_optimal;
-            kkt_residual = kkt_residual.max(found.kkt_residual);
-            working_sets += found.working_sets;
-            rank_uncertain |= found.rank_uncertain;
+            // The first rows are those of the exact problem, some of them with other bounds.
+            let end = levels.levels[level].end;
+            self.guess.clear(levels.unknowns, self.problem.rows.len());
+            self.guess.unknowns.copy_from_slice(&self.active.unknowns);
+            self.guess.rows[..end].copy_from_slice(&self.active.rows[..end]);
+            engine.solve(&self.problem, Start { guess: Some(&self.guess), is_factorized: false }, found);
+            self.active.unknowns.copy_from_slice(&found.working_set.unknowns);
+            self.active.rows[..end].copy_from_slice(&found.working_set.rows[..end]);
+            certainty.add(&found.certainty);
             self.near.clone_from(&found.x);
         }
-        refill(&mut found.row_values, (0..levels.row_count()).map(|row| product(levels.row(row), &self.near)));
-        (found.is_optimal, found.kkt_residual) = (is_optimal, kkt_residual);
-        (found.working_sets, found.rank_uncertain) = (working_sets, rank_uncertain);
+        refill(&mut found.row_values, (0..levels.rows.len()).map(|row| levels.value(row, &self.near)));
+        found.certainty = certainty;
     }
 
     /// Writes the problem that reaches for one level: the first `kept` levels, then a level of rows that reach for it, rows
@@ -99,7 +99,7 @@ impl RelaxedLevels {
         problem.lower.copy_from_slice(&levels.lower);
         problem.upper.copy_from_slice(&levels.upper);
         for level in 0..=reached {
-            let rows = levels.level_start(level)..levels.level_ends[level];
+            let rows = levels.levels[level].rows();
             if level < kept {
                 push_rows(problem, levels, rows, 1.0, None);
                 problem.end_level();
@@ -110,9 +110,7 @@ impl RelaxedLevels {
                 push_rows(problem, levels, rows, factor * weight, Some((&free.x, *scale)));
             }
         }
-        for (i, &x) in near.iter().enumerate() {
-            problem.push_row((0..near.len()).map(|j| if i == j { 1.0 } else { 0.0 }), x, x);
-        }
+        problem.push_near(1.0, near);
         problem.end_level();
     }
 }
@@ -127,11 +125,10 @@ fn push_rows(
     aim: Option<(&[f64], f64)>,
 ) {
     for row in rows {
-        let coefficients = levels.row(row);
-        let (mut lower, mut upper) = (levels.row_lower[row], levels.row_upper[row]);
+        let Demand { mut lower, mut upper, .. } = levels.rows[row];
         if let Some((point, part)) = aim {
-            let value = product(coefficients, point);
-            if levels.is_equation(row) {
+            let value = levels.value(row, point);
+            if levels.rows[row].is_equation() {
                 lower += part * (value - lower);
                 upper = lower;
             } else {
@@ -139,7 +136,8 @@ fn push_rows(
                 upper += part * (value - upper).max(0.0);
             }
         }
-        problem.push_row(coefficients.iter().map(|a| weight * a), weight * lower, weight * upper);
+        let demand = Demand::between(weight * lower, weight * upper, None);
+        problem.push_row(levels.row(row).iter().map(|a| weight * a), demand);
     }
 }
 
@@ -152,8 +150,4 @@ fn middle(lower: f64, upper: f64) -> f64 {
     }
     let inside = if half_width.is_finite() { WIDEST } else { HALF_WIDTH };
     0.0_f64.max(lower + inside).min(upper - inside)
-}
-
-fn product(row: &[f64], x: &[f64]) -> f64 {
-    row.iter().zip(x).map(|(a, x)| a * x).sum()
 }

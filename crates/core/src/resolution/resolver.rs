@@ -22,7 +22,6 @@ pub fn resolve(problem: &Problem, guess: &[ActiveSet]) -> Result<Resolution, Pro
 pub struct Resolver {
     singularities: Singularities,
     engine: Engine,
-    zeta: Vec<f64>,
     run: PlanRun,
 }
 
@@ -40,24 +39,19 @@ impl Resolver {
         answer: &mut Resolution,
     ) -> Result<(), ProblemError> {
         problem.check()?;
-        let Self { singularities, engine, zeta, run } = self;
-        zeta.clear();
-        match &problem.null_space_velocity {
-            Some(velocity) => zeta.extend_from_slice(velocity.as_slice()),
-            None => zeta.resize(problem.tasks.joint_count(), 0.0),
-        }
+        let Self { singularities, engine, run } = self;
         let has_guess = guess.iter().any(|set| !set.is_empty());
         engine.start(problem.wants_certificate);
         let is_known = has_guess && singularities.remain_regular(&problem.tasks, problem.damping);
         if is_known {
-            run.begin(problem, zeta);
+            run.begin(problem);
             run.solve(problem, guess, singularities, false, engine);
         }
         if !is_known || !run.solution.is_held_back() {
             engine.start(problem.wants_certificate);
-            run.begin(problem, zeta);
-            let solver = engine.factorize(&run.planned.levels);
-            singularities.examine(problem, solver, run.has_only_equations, has_guess);
+            run.begin(problem);
+            let solver = engine.factorize(&run.levels);
+            singularities.examine(problem, run.levels.equation_norm(), solver, run.has_only_equations, has_guess);
             run.solve(problem, guess, singularities, true, engine);
         }
         write_answer(answer, problem, singularities, run, engine);

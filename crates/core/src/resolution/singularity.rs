@@ -2,10 +2,10 @@
 
 use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
-use super::level::refill;
 use super::plan::{Step, examined_step};
+use super::solution::refill;
 use super::solver::SizedSolver;
-use crate::linalg::{DampingFactor, SingularValues, distance_square, dot, smallest_and_product};
+use crate::linalg::{DampingFactor, SingularValues, distance_square, smallest_and_product};
 use crate::tolerances::TOLERANCES;
 
 /// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
@@ -52,6 +52,8 @@ pub struct Singularities {
     /// Rows of an earlier period whose smallest singular value is at least `reference_bound`.
     reference: EquationRows,
     reference_bound: f64,
+    /// Their Frobenius norm.
+    reference_norm: f64,
 }
 
 impl Singularities {
@@ -70,8 +72,9 @@ impl Singularities {
     /// 1/‖A⁺‖_F changes by no more than that either, and [`Self::examine`] compares it with the same number.
     pub fn remain_regular(&mut self, tasks: &TaskStack, damping: Option<Damping>) -> bool {
         let list = tasks.tasks();
-        let Some((distance, norm)) = compare(&self.reference, list) else { return false };
-        if !(self.reference_bound - distance > regular_from(damping, norm) * (1.0 + TOLERANCES.singular_value_margin)) {
+        let Some(distance) = distance(&self.reference, list) else { return false };
+        let least = regular_from(damping, self.reference_norm + distance) * (1.0 + TOLERANCES.singular_value_margin);
+        if !(self.reference_bound - distance > least) {
             return false;
         }
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
@@ -80,22 +83,29 @@ impl Singularities {
         true
     }
 
-    /// Examines the singular values of all equations, which `solver` has factorised. `keep`: keeps a close bound of them for
+    /// Examines the singular values of all equations, which `solver` has factorised; `norm`: their Frobenius norm. `keep`: keeps a close bound of them for
     /// [`Self::remain_regular`] in later periods.
-    pub fn examine(&mut self, problem: &Problem, solver: &mut dyn SizedSolver, has_only_equations: bool, keep: bool) {
+    pub fn examine(
+        &mut self,
+        problem: &Problem,
+        norm: f64,
+        solver: &mut dyn SizedSolver,
+        has_only_equations: bool,
+        keep: bool,
+    ) {
         let (list, damping) = (problem.tasks.tasks(), problem.damping);
         self.rank_uncertain = solver.rank_uncertain();
-        let norm = solver.active_norm();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
         let independent = threshold.max(TOLERANCES.certain_rank * norm);
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
-        let smallest = if solver.has_independent_rows() { solver.bound_smallest(sure, independent) } else { f64::NAN };
+        let smallest =
+            if solver.has_independent_rows() { solver.bound_smallest(norm, sure, independent) } else { f64::NAN };
         self.is_regular = smallest >= regular;
         self.reference.clear();
         if keep && self.is_regular && has_only_equations {
             self.reference.set(list);
-            self.reference_bound = smallest;
+            (self.reference_bound, self.reference_norm) = (smallest, norm);
         }
         if smallest >= independent {
             self.known = None;
@@ -167,18 +177,17 @@ impl Singularities {
     }
 }
 
-/// Returns ‖A − A'‖_F and ‖A‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the
-/// sizes differ, or if a task is not an equation.
-fn compare(other: &EquationRows, tasks: &[Task]) -> Option<(f64, f64)> {
+/// Returns ‖A − A'‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the sizes
+/// differ, or if a task is not an equation.
+fn distance(other: &EquationRows, tasks: &[Task]) -> Option<f64> {
     let heights = tasks.iter().map(|task| if task.is_equation() { task.jacobian.nrows() } else { 0 });
     if other.heights().is_empty() || !heights.eq(other.heights().iter().copied()) {
         return None;
     }
-    let (mut distance, mut square, mut rest) = (0.0, 0.0, other.entries());
+    let (mut square, mut rest) = (0.0, other.entries());
     for task in tasks {
         let entries = task.jacobian.as_slice();
-        distance += distance_square(entries, rest.split_off(..entries.len())?);
-        square += dot(entries, entries);
+        square += distance_square(entries, rest.split_off(..entries.len())?);
     }
-    rest.is_empty().then(|| (f64::sqrt(distance), f64::sqrt(square)))
+    rest.is_empty().then(|| f64::sqrt(square))
 }

@@ -14,10 +14,10 @@ use revprio_problem::{BoundId, Damping, Part};
 
 use super::certified::Record;
 use super::engine::Engine;
-use super::level::{Hierarchy, Solution};
-use super::plan::PlannedProblem;
+use super::hierarchy::Hierarchy;
 use super::regularity::Regularity;
 use super::relaxed_levels::RelaxedLevels;
+use super::solution::Solution;
 
 /// The workspace of the blend.
 #[derive(Default)]
@@ -32,22 +32,22 @@ pub struct Smoothing {
 
 impl Smoothing {
     /// Replaces the exact solution X_K of a planned problem by the blend, if damping acts on what its limits leave.
-    pub fn apply(&mut self, planned: &PlannedProblem, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
-        let levels = &planned.levels;
-        let hard = usize::from(matches!(planned.origins.first(), Some(Some(BoundId::Constraint { .. }))));
-        let is_pinned = levels.lower.iter().zip(&levels.upper).any(|(lower, upper)| lower == upper);
+    pub fn apply(&mut self, levels: &Hierarchy, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
+        let first = levels.rows.first().and_then(|row| row.origin);
+        let hard = usize::from(matches!(first, Some(BoundId::Constraint { .. })));
+        let is_pinned = levels.bounds().any(|(lower, upper)| lower == upper);
         let is_free = solution.working_set.is_empty() && !is_pinned;
         if is_free || damping.max_factor() == 0.0 {
             return;
         }
-        let count = levels.level_ends.len();
-        self.regularity.start(planned);
+        let count = levels.levels.len();
+        self.regularity.start(levels);
         let mut weight = self.regularity.of(levels, count, solution, damping.threshold());
         if weight == 1.0 {
             return;
         }
         let exact = engine.record.as_ref().map(Record::last);
-        self.relaxed.start(planned, hard, engine, solution);
+        self.relaxed.start(levels, hard, engine, solution);
         self.weights.clear();
         self.parts.resize_with((count - hard + 1).max(self.parts.len()), Solution::default);
         self.parts[0].copy_from(solution);
@@ -93,7 +93,7 @@ impl Smoothing {
             }
         }
         for part in self.parts[1..=last].iter().chain([&self.relaxed.free]) {
-            solution.doubt(part);
+            solution.certainty.add(&part.certainty);
         }
         levels.settle(solution, &self.parts[last]);
     }

@@ -5,8 +5,8 @@
 
 use revprio_problem::{Damping, Problem, Task};
 
-use super::level::refill;
-use crate::linalg::{DampingFactor, SmallSvd, dot, row_times};
+use super::solution::refill;
+use crate::linalg::{DampingFactor, Svd, dot, row_times};
 use crate::tolerances::TOLERANCES;
 
 const MAX_CHAINS: usize = 64;
@@ -30,7 +30,7 @@ pub struct StrictTargets {
     spare: Vec<Chain>,
     /// J_k N.
     rows: Vec<f64>,
-    svd: SmallSvd,
+    svd: Svd,
     point: Vec<f64>,
     residual: Vec<f64>,
 }
@@ -89,7 +89,7 @@ impl StrictTargets {
         let rank = self.svd.rank(TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
         let kkt_residual = self.step(chain, task, target, rank, lambda);
-        let keeps = |svd: &SmallSvd, place: usize| damping.keeps(svd.sigma(place));
+        let keeps = |svd: &Svd, place: usize| damping.keeps(svd.sigma(place));
         let weak = (0..rank).rev().take_while(|&place| fades && keeps(&self.svd, place) < 1.0).count();
         let total = chain.weight;
         for kept in (rank - weak..rank).rev() {

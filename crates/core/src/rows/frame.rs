@@ -5,8 +5,8 @@ use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame,
 
 use super::kind::RowKind;
 use crate::arm_state::{ArmAt, ArmState};
-use crate::law::{Profile, SetPoint, TaskState};
-use crate::linalg::{Matrix, TaskVector};
+use crate::law::{Profile, SetPoint, TaskState, TaskVector};
+use crate::linalg::Matrix;
 use crate::streaming::{ActiveStream, Reference, StreamedTarget, StreamedValue, TargetValue};
 
 /// Axes of the tool in a frame, and their target pose.

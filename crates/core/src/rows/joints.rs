@@ -5,8 +5,8 @@ use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::rows_error::RowsError;
 use crate::arm_state::{ArmAt, ArmState};
-use crate::law::{Law, Profile, SetPoint, TaskState};
-use crate::linalg::{Matrix, TaskVector};
+use crate::law::{Law, Profile, SetPoint, TaskState, TaskVector};
+use crate::linalg::Matrix;
 use crate::streaming::{ActiveStream, Reference, TargetValue};
 
 /// The joints of a task and their target.

@@ -19,8 +19,8 @@ pub use raw::RawRows;
 pub use rows_error::RowsError;
 
 use crate::arm_state::{ArmAt, ArmState};
-use crate::law::{Law, Profile, TaskState};
-use crate::linalg::{Matrix, TaskVector};
+use crate::law::{Law, Profile, TaskState, TaskVector};
+use crate::linalg::Matrix;
 use crate::streaming::{ActiveStream, Quantity, Reference, StreamedTarget, StreamedValue, TargetValue};
 
 /// The rows of a task.

@@ -3,8 +3,8 @@
 use revprio_robot::RobotModel;
 
 use super::rows_error::RowsError;
-use crate::law::{Law, TaskState};
-use crate::linalg::{Matrix, TaskVector};
+use crate::law::{Law, TaskState, TaskVector};
+use crate::linalg::Matrix;
 
 /// Constant rows J_k over the joints, for example the sum of two joint velocities.
 #[derive(Debug, Clone, PartialEq)]

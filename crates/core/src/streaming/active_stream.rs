@@ -2,7 +2,7 @@
 
 use super::stream::{Ignored, TargetState, TargetStream};
 use super::value::{Quantity, TargetValue};
-use crate::linalg::TaskVector;
+use crate::law::TaskVector;
 
 /// The streamed target of a task in one period, as the answer reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]

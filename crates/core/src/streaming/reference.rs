@@ -1,7 +1,7 @@
 //! The reference: the target of this period, which follows the desired value within bounds.
 
 use super::TargetValue;
-use crate::linalg::TaskVector;
+use crate::law::TaskVector;
 
 /// The bounds of one group of entries of a reference, as norms.
 #[derive(Debug, Clone, Copy, PartialEq)]

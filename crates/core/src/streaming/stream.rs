@@ -2,7 +2,7 @@
 
 use super::reference::clamp_norm;
 use super::{Bound, Quantity, Reference, Streaming, TargetValue};
-use crate::linalg::TaskVector;
+use crate::law::TaskVector;
 
 /// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
 pub const MAX_AHEAD: f64 = 1.0;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::linalg::TaskVector;
+use crate::law::TaskVector;
 
 /// What a streamed target is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -5,7 +5,8 @@
 //! laws and answers are in m/s.
 
 use super::controller_config::ControllerConfig;
-use crate::linalg::{Matrix, TaskVector};
+use crate::law::TaskVector;
+use crate::linalg::Matrix;
 
 impl ControllerConfig {
     /// Returns the weight of a row of task `k`: 1/L for linear rows of the tool, 1 for others.

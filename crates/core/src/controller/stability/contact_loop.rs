@@ -2,7 +2,8 @@
 
 use nalgebra::Complex;
 
-use crate::linalg::{EigenvalueError, Matrix, Vector, eigenvalues};
+use super::spectrum::{EigenvalueError, eigenvalues};
+use crate::linalg::{Matrix, Vector};
 
 /// One axis of a law in contact. Linear axes: kg, N·s/m, N/m; angular axes: kg·m², N·m·s/rad, N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]

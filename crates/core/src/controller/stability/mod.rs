@@ -22,11 +22,13 @@
 mod contact_loop;
 mod margin;
 mod search;
+mod spectrum;
 mod stability_error;
 
 pub use contact_loop::ContactLoop;
 pub use margin::Margin;
 pub use search::{MAX_DELAY_PERIODS, StableDamping};
+pub use spectrum::EigenvalueError;
 pub use stability_error::StabilityError;
 
 #[cfg(test)]

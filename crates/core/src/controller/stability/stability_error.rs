@@ -1,6 +1,6 @@
 //! Why stability margins are missing.
 
-use crate::linalg::EigenvalueError;
+use super::spectrum::EigenvalueError;
 
 /// The reason why margins are missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

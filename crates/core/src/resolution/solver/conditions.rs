@@ -7,12 +7,12 @@ use super::dependent_rows::DependentRows;
 use super::factorization::{Factorization, Span};
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
-use crate::resolution::level::{WorkingSet, refill};
+use crate::resolution::solution::{WorkingSet, refill};
 
 /// A working set and the least-squares solution on it.
 #[derive(Clone, Copy)]
 pub struct Trial<'a, const N: usize> {
-    pub problem: &'a ProblemRows<N>,
+    pub problem: &'a ProblemRows<'a, N>,
     pub set: &'a WorkingSet,
     pub solved: &'a Factorization<N>,
 }
@@ -100,7 +100,7 @@ impl<const N: usize> Conditions<N> {
 
     /// Sets a·x of each row.
     fn evaluate_rows(&mut self, Trial { problem, solved, .. }: Trial<N>) {
-        refill(&mut self.values, problem.rows.iter().map(|row| row.coefficients.dot(&solved.x)));
+        refill(&mut self.values, problem.coefficients.iter().map(|row| solved.x.dot(row)));
     }
 
     /// Forgets the multipliers of the set before.
@@ -245,7 +245,7 @@ impl<const N: usize> Conditions<N> {
             amount += sum * problem.levels[level].norm;
         }
         for row in &solved.rows[..end] {
-            h.add_scaled(w[row.index], &problem.rows[row.index].coefficients);
+            h.add_scaled(w[row.index], &problem.coefficients[row.index]);
         }
         LevelMultipliers { h, length, amount, norm }
     }
@@ -274,7 +274,7 @@ impl<const N: usize> Conditions<N> {
         if self.undecided == 0 {
             return;
         }
-        for &row in &problem.inequalities {
+        for &row in problem.inequalities {
             let (Some(side), false) = (set.rows[row], self.row_decided[row]) else { continue };
             let multiplier = -self.w[row];
             let force = multiplier.abs() * problem.rows[row].square.sqrt();

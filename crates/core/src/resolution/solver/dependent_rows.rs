@@ -3,9 +3,9 @@
 //! With T the pivots' own triangle and E the dependent rows' own coordinates, F T = E. F is bounded, because pivots are the
 //! longest rows, so I + F Fᵀ is well conditioned. Section numbers refer to `docs/solver.md`.
 
-use super::factorization::FactorRow;
+use super::factor_row::FactorRow;
 use crate::linalg::Row;
-use crate::resolution::level::refill;
+use crate::resolution::solution::refill;
 
 /// Workspace for one level.
 #[derive(Debug, Default)]

@@ -5,7 +5,7 @@ use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::WorkingSet;
+use crate::resolution::solution::WorkingSet;
 
 /// What blocks a step.
 #[derive(Clone, Copy)]
@@ -82,8 +82,8 @@ fn restrict_to<const N: usize>(
         changed |= side != set.unknowns[j];
         set.unknowns[j] = side;
     }
-    for &row in &problem.inequalities {
-        let value = problem.rows[row].coefficients.dot(start);
+    for &row in problem.inequalities {
+        let value = start.dot(&problem.coefficients[row]);
         let side = if value > problem.rows[row].upper {
             Some(Side::Upper)
         } else if value < problem.rows[row].lower {
@@ -116,7 +116,7 @@ fn first_blocking<const N: usize>(
         }
     }
     for &row in &conditions.wrong_rows {
-        let (z, x) = (problem.rows[row].coefficients.dot(point), conditions.values[row]);
+        let (z, x) = (point.dot(&problem.coefficients[row]), conditions.values[row]);
         let bound = match set.rows[row] {
             None if x > problem.rows[row].upper => problem.rows[row].upper,
             None => problem.rows[row].lower,

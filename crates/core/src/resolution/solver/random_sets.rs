@@ -5,7 +5,8 @@ use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector};
 use crate::resolution::Side;
-use crate::resolution::level::{Hierarchy, WorkingSet};
+use crate::resolution::hierarchy::{Demand, Hierarchy};
+use crate::resolution::solution::WorkingSet;
 
 /// The width of rows.
 pub const WIDTH: usize = 8;
@@ -28,7 +29,7 @@ pub fn below(number: f64, count: usize) -> usize {
 
 /// A working set of a problem, factorised and solved.
 pub struct RandomSet {
-    pub problem: ProblemRows<WIDTH>,
+    hierarchy: Hierarchy,
     pub set: WorkingSet,
     pub solved: Factorization<WIDTH>,
 }
@@ -44,7 +45,7 @@ impl RandomSet {
         let mut number = numbers(seed + 1_000_000);
         let mut hierarchy = Hierarchy::default();
         hierarchy.clear(&(0..n).map(|_| number()).collect::<Vec<_>>());
-        hierarchy.width = WIDTH;
+        hierarchy.set_width(WIDTH);
         let mut set = WorkingSet::default();
         set.clear(n, 0);
         for (j, active) in set.unknowns.iter_mut().enumerate() {
@@ -70,36 +71,44 @@ impl RandomSet {
                 let (a, b) = (unit * number(), unit * number());
                 let (lower, upper) = if number() > 0.0 { (a, a) } else { (a.min(b), a.max(b)) };
                 set.rows.push(if lower == upper { None } else { side(number()) });
-                hierarchy.push_row(row.iter().copied(), lower, upper);
+                hierarchy.push_row(row.iter().copied(), Demand::between(lower, upper, None));
                 known.push(row);
             }
             hierarchy.end_level();
         }
-        let mut problem = ProblemRows::default();
-        problem.load(&hierarchy);
+        Self::of(hierarchy, set)
+    }
+
+    /// Factorises a problem whose rows have [`WIDTH`] entries.
+    pub fn of(hierarchy: Hierarchy, set: WorkingSet) -> Self {
         let mut solved = Factorization::default();
         solved.rank_tolerance = RANK_TOLERANCE;
-        solved.solve(&problem, &set);
-        Self { problem, set, solved }
+        solved.solve(&ProblemRows::new(&hierarchy), &set);
+        Self { hierarchy, set, solved }
+    }
+
+    /// Returns the problem.
+    pub fn problem(&self) -> ProblemRows<'_, WIDTH> {
+        ProblemRows::new(&self.hierarchy)
     }
 
     /// Returns the active rows of a level.
     pub fn active(&self, level: usize) -> Vec<usize> {
-        let level = self.problem.levels[level];
-        (level.start..level.end).filter(|&row| self.problem.is_active(&self.set, row)).collect()
+        let level = self.problem().levels[level];
+        (level.start..level.end).filter(|&row| self.problem().is_active(&self.set, row)).collect()
     }
 
     /// Returns these rows over all unknowns.
     pub fn matrix(&self, rows: &[usize]) -> Matrix {
-        Matrix::from_fn(rows.len(), self.problem.unknowns, |i, j| self.problem.rows[rows[i]].coefficients.0[j])
+        Matrix::from_fn(rows.len(), self.problem().unknowns, |i, j| self.problem().coefficients[rows[i]][j])
     }
 
     /// Returns for each level, and for the last objective, the projector onto what the levels above leave free.
     pub fn projectors(&self) -> Vec<Matrix> {
-        let n = self.problem.unknowns;
+        let n = self.problem().unknowns;
         let mut N = Matrix::from_fn(n, n, |i, j| if i == j { self.solved.is_free.0[i] } else { 0.0 });
         let mut all = vec![N.clone()];
-        for level in 0..self.problem.levels.len() {
+        for level in 0..self.problem().levels.len() {
             let A = self.matrix(&self.active(level));
             let svd = Svd::new(&(&A * &N));
             N -= svd.row_projector(svd.rank(1e-9 * A.norm()));
@@ -110,17 +119,17 @@ impl RandomSet {
 
     /// Returns the lexicographic least-squares point by pseudo-inverses.
     pub fn point(&self) -> Vector {
-        let n = self.problem.unknowns;
+        let n = self.problem().unknowns;
         let mut x = Vector::from_column_slice(&self.solved.base.0[..n]);
         let projectors = self.projectors();
         for (level, open) in projectors[..projectors.len() - 1].iter().enumerate() {
             let rows = self.active(level);
-            let b = Vector::from_iterator(rows.len(), rows.iter().map(|&row| self.problem.target(&self.set, row)));
+            let b = Vector::from_iterator(rows.len(), rows.iter().map(|&row| self.problem().target(&self.set, row)));
             let A = self.matrix(&rows);
             let svd = Svd::new(&(&A * open));
             x += svd.solve(svd.rank(1e-9 * A.norm()), 0.0, &(b - A * &x));
         }
-        let reference = Vector::from_column_slice(&self.problem.reference.0[..n]);
+        let reference = Vector::from_column_slice(&self.problem().reference.0[..n]);
         &x + &projectors[projectors.len() - 1] * reference
     }
 }

@@ -9,7 +9,7 @@ use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::{WorkingSet, refill};
+use crate::resolution::solution::{WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
 /// Returns how many constraints may become active in a search, before it stops.
@@ -101,7 +101,7 @@ impl<const N: usize> Search<N> {
         for &j in &solved.held {
             (self.lower[j], self.upper[j]) = (f64::NEG_INFINITY, f64::INFINITY);
         }
-        let values = rows().map(|row| row.coefficients.dot(&solved.x));
+        let values = problem.inequalities.iter().map(|&row| solved.x.dot(&problem.coefficients[row]));
         refill(&mut self.state, solved.x.0[..n].iter().copied().chain(values));
         self.state.resize(self.stride, 0.0);
         refill(&mut self.active, std::iter::repeat_n(None, count));
@@ -129,8 +129,8 @@ impl<const N: usize> Search<N> {
         let columns = self.columns.chunks_exact_mut(self.stride).zip(&self.generator);
         for ((entries, column), scale) in columns.zip(&self.scales) {
             entries[..N].copy_from_slice(&column.0);
-            for (entry, &row) in entries[problem.unknowns..].iter_mut().zip(&problem.inequalities) {
-                *entry = problem.rows[row].coefficients.dot(column);
+            for (entry, &row) in entries[problem.unknowns..].iter_mut().zip(problem.inequalities) {
+                *entry = column.dot(&problem.coefficients[row]);
             }
             for (sum, entry) in self.diagonal.iter_mut().zip(entries) {
                 *sum += scale * *entry * *entry;
@@ -174,7 +174,7 @@ impl<const N: usize> Search<N> {
         columns.clear();
         // A = T Qᵀ gives the columns of Q one after the other, nearly orthogonal. A proposal needs no more.
         for row in solved.triangle() {
-            let mut column = problem.rows[row.index].coefficients.times(&solved.is_free);
+            let mut column = solved.is_free.times(&problem.coefficients[row.index]);
             for (other, factor) in columns.iter().zip(&row.coordinates.0) {
                 column.add_scaled(-factor, other);
             }

@@ -1,10 +1,11 @@
 //! The solver for a problem of any size: one instance for each width of rows.
 
-use revprio_problem::MAX_UNKNOWNS;
-
-use super::{ActiveSetSolver, Rungs};
-use crate::linalg::{smallest_from_inverse, write_inverse};
-use crate::resolution::level::{Hierarchy, Solution, Start, refill};
+use super::active_set::ActiveSetSolver;
+use super::problem_rows::ProblemRows;
+use super::rungs::Rungs;
+use crate::linalg::{Row, SingularValues, smallest_from_inverse, write_inverse};
+use crate::resolution::hierarchy::Hierarchy;
+use crate::resolution::solution::{Solution, Start, refill};
 
 /// A solver, whatever its width is, and what its last factorisation can tell.
 pub trait SizedSolver {
@@ -23,12 +24,9 @@ pub trait SizedSolver {
     /// Returns whether rounding may have decided a rank of the last factorisation.
     fn rank_uncertain(&self) -> bool;
 
-    /// Returns the Frobenius norm of the active rows of the last factorisation.
-    fn active_norm(&self) -> f64;
-
-    /// Returns a lower bound of σ_min of the last triangle of all rows: the one of its determinant if that is at least `sure`;
+    /// Returns a lower bound of σ_min of the last triangle of all rows, whose Frobenius norm is `norm`: the one of its determinant if that is at least `sure`;
     /// otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise σ_min itself.
-    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64;
+    fn bound_smallest(&mut self, norm: f64, sure: f64, needed: f64) -> f64;
 
     /// Returns the product of the singular values of the last triangle.
     fn pivot_product(&self) -> f64;
@@ -36,71 +34,94 @@ pub trait SizedSolver {
     /// Returns the smallest singular value of a level of the last problem, restricted to what higher levels leave free.
     fn smallest_of_level(&mut self, level: usize) -> f64;
 
-    /// Writes the multipliers of one level of the last problem: of the rows (sign of b − A x), and of the unknowns.
-    fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>);
+    /// Writes the multipliers of one level of the problem that was solved last: of the rows (sign of b − A x), and of the
+    /// unknowns.
+    fn write_level_multipliers(
+        &mut self,
+        problem: &Hierarchy,
+        level: usize,
+        rows: &mut Vec<f64>,
+        unknowns: &mut Vec<f64>,
+    );
 }
 
-impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
+/// The solver for rows of N numbers.
+#[derive(Default)]
+struct OfWidth<const N: usize> {
+    solver: ActiveSetSolver<N>,
+    /// Scratch: the inverse triangle and its Gram matrix, and singular values.
+    inverse: Vec<Row<N>>,
+    gram: Vec<Row<N>>,
+    singular: SingularValues,
+}
+
+impl<const N: usize> SizedSolver for OfWidth<N> {
     fn solve(&mut self, problem: &Hierarchy, start: Start, solution: &mut Solution) {
-        self.solve(problem, start, solution);
+        self.solver.solve(&ProblemRows::new(problem), start, solution);
     }
 
     fn factorize(&mut self, problem: &Hierarchy) {
-        self.factorize(problem);
+        self.solver.factorize(&ProblemRows::without_box(problem));
     }
 
     fn rungs(&self) -> Rungs {
-        self.rungs
+        self.solver.rungs
     }
 
     fn has_independent_rows(&self) -> bool {
-        self.solved.rank() == self.solved.rows.len() && self.solved.rank() > 0
+        let solved = &self.solver.solved;
+        solved.rank() == solved.rows.len() && solved.rank() > 0
     }
 
     fn rank_uncertain(&self) -> bool {
-        self.solved.rank_uncertain
+        self.solver.solved.rank_uncertain
     }
 
-    fn active_norm(&self) -> f64 {
-        self.solved.rows.iter().map(|row| self.problem.rows[row.index].square).sum::<f64>().sqrt()
-    }
-
-    fn bound_smallest(&mut self, sure: f64, needed: f64) -> f64 {
+    fn bound_smallest(&mut self, norm: f64, sure: f64, needed: f64) -> f64 {
+        let solved = &self.solver.solved;
         // The geometric mean of the squares of the other singular values is at most their mean, at most ‖L‖²/(n − 1).
-        let others = self.solved.rank().saturating_sub(1);
+        let others = solved.rank().saturating_sub(1);
         let power = i32::try_from(others).unwrap_or(i32::MAX);
-        let bound = self.pivot_product() * ((others as f64).sqrt() / self.active_norm()).powi(power);
+        let bound = self.pivot_product() * ((others as f64).sqrt() / norm).powi(power);
         if bound >= sure {
             return bound;
         }
-        let rows = self.solved.triangle().map(|row| (&row.coordinates, row.inverse));
+        let rows = solved.triangle().map(|row| (&row.coordinates, row.inverse));
         let size = write_inverse(rows, &mut self.inverse);
         if size * needed <= 1.0 { 1.0 / size } else { smallest_from_inverse(&self.inverse, size, &mut self.gram) }
     }
 
     fn pivot_product(&self) -> f64 {
-        self.solved.triangle().map(|row| 1.0 / row.inverse.abs()).product()
+        self.solver.solved.triangle().map(|row| 1.0 / row.inverse.abs()).product()
     }
 
     fn smallest_of_level(&mut self, level: usize) -> f64 {
-        let span = self.solved.spans[level];
-        let (rows, columns) = (span.end - span.start, self.solved.free.len() - span.first);
+        let solved = &self.solver.solved;
+        let span = solved.spans[level];
+        let (rows, columns) = (span.end - span.start, solved.free.len() - span.first);
         let rank = span.rank();
         if rank < rows.min(columns) {
             return 0.0;
         }
         // The block has `rank` columns that are not zero; singular values are taken on its shorter side.
-        let entry = |row: usize, column: usize| self.solved.rows[span.start + row].coordinates.0[span.first + column];
+        let entry = |row: usize, column: usize| solved.rows[span.start + row].coordinates.0[span.first + column];
         let (count, width) = (rows.min(rank), rows.max(rank));
         let at = |i: usize, j: usize| if rows <= rank { entry(i, j) } else { entry(j, i) };
         self.singular.decompose(width, (0..count).flat_map(|i| (0..width).map(move |j| at(i, j))));
         self.singular.smallest()
     }
 
-    fn write_level_multipliers(&mut self, level: usize, rows: &mut Vec<f64>, unknowns: &mut Vec<f64>) {
-        let (w, h) = self.conditions.level_multipliers(&self.problem, &self.solved, level);
+    fn write_level_multipliers(
+        &mut self,
+        problem: &Hierarchy,
+        level: usize,
+        rows: &mut Vec<f64>,
+        unknowns: &mut Vec<f64>,
+    ) {
+        let ActiveSetSolver { solved, conditions, .. } = &mut self.solver;
+        let (w, h) = conditions.level_multipliers(&ProblemRows::new(problem), solved, level);
         refill(rows, w.iter().copied());
-        refill(unknowns, h.0[..self.problem.unknowns].iter().copied());
+        refill(unknowns, h.0[..problem.unknowns].iter().copied());
     }
 }
 
@@ -116,17 +137,16 @@ impl HierarchicalSolver {
         self.solvers.iter().flatten().fold(Rungs::default(), |sum, solver| sum + solver.rungs())
     }
 
-    /// Returns the solver for n unknowns, at most [`MAX_UNKNOWNS`].
-    pub fn of_width(&mut self, n: usize) -> &mut (dyn SizedSolver + Send) {
-        let (place, make): (usize, fn() -> Box<dyn SizedSolver + Send>) = match n {
-            0..=4 => (0, || Box::<ActiveSetSolver<4>>::default()),
-            5..=8 => (1, || Box::<ActiveSetSolver<8>>::default()),
-            9..=16 => (2, || Box::<ActiveSetSolver<16>>::default()),
-            17..=24 => (3, || Box::<ActiveSetSolver<24>>::default()),
-            25..=40 => (4, || Box::<ActiveSetSolver<40>>::default()),
-            41..=72 => (5, || Box::<ActiveSetSolver<72>>::default()),
-            73..=MAX_UNKNOWNS => (6, || Box::<ActiveSetSolver<136>>::default()),
-            _ => panic!("{n} unknowns; problems are checked for at most {MAX_UNKNOWNS}"),
+    /// Returns the solver for a problem.
+    pub fn of_width(&mut self, problem: &Hierarchy) -> &mut (dyn SizedSolver + Send) {
+        let (place, make): (usize, fn() -> Box<dyn SizedSolver + Send>) = match problem.width {
+            4 => (0, || Box::<OfWidth<4>>::default()),
+            8 => (1, || Box::<OfWidth<8>>::default()),
+            16 => (2, || Box::<OfWidth<16>>::default()),
+            24 => (3, || Box::<OfWidth<24>>::default()),
+            40 => (4, || Box::<OfWidth<40>>::default()),
+            72 => (5, || Box::<OfWidth<72>>::default()),
+            _ => (6, || Box::<OfWidth<136>>::default()),
         };
         &mut **self.solvers[place].get_or_insert_with(make)
     }

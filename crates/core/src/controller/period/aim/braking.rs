@@ -10,8 +10,8 @@ use nalgebra::{Cholesky, Dyn};
 use crate::arm_state::JointCapability;
 use crate::controller::config::{AntiWindup, ControllerConfig, TaskConfig};
 use crate::controller::period::row_space::RowSpace;
-use crate::law::{Braking, Law, PositionLaw, TaskState, braking_factor, linear_share};
-use crate::linalg::{Matrix, TaskVector, Vector};
+use crate::law::{Braking, Law, PositionLaw, TaskState, TaskVector, braking_factor, linear_share};
+use crate::linalg::{Matrix, Vector};
 use crate::rows::TaskRows;
 use crate::task::{Task, TaskStack};
 

@@ -3,7 +3,7 @@
 use super::{Cascade, Held, Role, is_active, unit};
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::refill;
+use crate::resolution::solution::refill;
 use crate::resolution::solver::problem_rows::ProblemRows;
 use crate::tolerances::TOLERANCES;
 
@@ -138,9 +138,9 @@ impl<const N: usize> Cascade<N> {
         match problem.levels.get(level) {
             None => product = direction,
             Some(size) => {
-                for i in (size.start..size.end).filter(|&i| is_active(self.roles[problem.unknowns + i])) {
-                    let row = &problem.rows[i].coefficients;
-                    product.add_scaled(row.dot(&direction), row);
+                for i in (size.start..size.end).filter(|&i| is_active(self.constraints[problem.unknowns + i].role)) {
+                    let row = &problem.coefficients[i];
+                    product.add_scaled(direction.dot(row), row);
                 }
             }
         }
@@ -156,7 +156,7 @@ impl<const N: usize> Cascade<N> {
     }
 
     /// Adds a row to the curvature, or takes it away.
-    pub(super) fn add_curvature(&mut self, row: &Row<N>, sign: f64) {
+    pub(super) fn add_curvature(&mut self, row: &[f64; N], sign: f64) {
         let mut along = Row::<N>::ZERO;
         for (i, direction) in self.free.iter().enumerate() {
             along.0[i] = direction.dot(row);
@@ -174,7 +174,7 @@ impl<const N: usize> Cascade<N> {
         if length > TOLERANCES.cascade_dependent * bound.normal.norm() {
             self.fixed.push(direction.scaled(1.0 / length));
         }
-        self.roles[bound.constraint] = Role::Fixed(Some(bound.side));
+        self.constraints[bound.constraint].role = Role::Fixed(Some(bound.side));
     }
 
     /// Adds the candidates to the fixed directions, the longest remaining one first, and takes them from the free ones.
@@ -217,6 +217,6 @@ impl<const N: usize> Cascade<N> {
 fn normal<const N: usize>(problem: &ProblemRows<N>, constraint: usize) -> Row<N> {
     match constraint.checked_sub(problem.unknowns) {
         None => unit(constraint),
-        Some(row) => problem.rows[row].coefficients,
+        Some(row) => Row(problem.coefficients[row]),
     }
 }

@@ -12,7 +12,7 @@ mod step;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::Side;
-use crate::resolution::level::{WorkingSet, refill};
+use crate::resolution::solution::{WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
 /// Steps over all levels, for each unknown and each row. Random problems take at most one.
@@ -46,6 +46,46 @@ enum Role {
     Fixed(Option<Side>),
 }
 
+/// An unknown or a row.
+#[derive(Debug, Clone, Copy)]
+struct Constraint {
+    /// a·x.
+    value: f64,
+    /// The change of the value along a step.
+    slope: f64,
+    role: Role,
+    /// The bounds, as far as higher levels keep them.
+    lower: f64,
+    upper: f64,
+}
+
+impl Constraint {
+    /// Returns the bound that the value breaks.
+    fn broken(&self) -> Option<Side> {
+        if self.value > self.upper {
+            Some(Side::Upper)
+        } else if self.value < self.lower {
+            Some(Side::Lower)
+        } else {
+            None
+        }
+    }
+
+    /// Returns by how much the value of a row of this level is above (positive) or below its bound.
+    fn slack(&self) -> f64 {
+        match self.role {
+            Role::Equation | Role::Slack(Some(Side::Lower)) => self.value - self.lower,
+            Role::Slack(Some(Side::Upper)) => self.value - self.upper,
+            _ => 0.0,
+        }
+    }
+
+    /// Returns whether the value is followed.
+    fn is_moving(&self) -> bool {
+        !matches!(self.role, Role::Later | Role::Fixed(_))
+    }
+}
+
 /// A change of curvature along a step.
 type Kink = (f64, f64);
 
@@ -53,13 +93,8 @@ type Kink = (f64, f64);
 #[derive(Debug, Default)]
 pub struct Cascade<const N: usize> {
     x: Row<N>,
-    /// For each constraint, the unknowns first and then the rows: its value a·x, the change of that along a step, what it does,
-    /// and its bounds as far as higher levels keep them.
-    values: Vec<f64>,
-    slopes: Vec<f64>,
-    roles: Vec<Role>,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
+    /// The unknowns, then the rows.
+    constraints: Vec<Constraint>,
     /// Orthonormal directions that higher levels fix.
     fixed: Vec<Row<N>>,
     held: Vec<Held<N>>,
@@ -83,14 +118,10 @@ impl<const N: usize> Cascade<N> {
     /// Allocates what a problem of this size needs.
     pub fn reserve(&mut self, unknowns: usize, rows: usize) {
         let constraints = unknowns + rows;
-        if self.values.capacity() >= constraints {
+        if self.constraints.capacity() >= constraints {
             return;
         }
-        self.values.reserve(constraints);
-        self.slopes.reserve(constraints);
-        self.roles.reserve(constraints);
-        self.lower.reserve(constraints);
-        self.upper.reserve(constraints);
+        self.constraints.reserve(constraints);
         self.candidates.reserve(rows);
         self.kinks.reserve(2 * rows);
         for list in [&mut self.fixed, &mut self.free, &mut self.curvature, &mut self.factor] {
@@ -118,14 +149,16 @@ impl<const N: usize> Cascade<N> {
     fn start(&mut self, problem: &ProblemRows<N>) {
         let n = problem.unknowns;
         self.x = problem.reference.clamp(&problem.lower, &problem.upper);
-        let rows = || problem.rows.iter();
-        refill(&mut self.lower, problem.lower.0[..n].iter().copied().chain(rows().map(|row| row.lower)));
-        refill(&mut self.upper, problem.upper.0[..n].iter().copied().chain(rows().map(|row| row.upper)));
-        let values = rows().map(|row| row.coefficients.dot(&self.x));
-        refill(&mut self.values, self.x.0[..n].iter().copied().chain(values));
-        refill(&mut self.slopes, std::iter::repeat_n(0.0, n + problem.rows.len()));
-        let of_unknown = |j: usize| if problem.is_pinned(j) { Role::Fixed(None) } else { Role::Kept };
-        refill(&mut self.roles, (0..n).map(of_unknown).chain(rows().map(|_| Role::Later)));
+        let x = self.x;
+        let unknowns = (0..n).map(|j| {
+            let role = if problem.is_pinned(j) { Role::Fixed(None) } else { Role::Kept };
+            Constraint { value: x.0[j], slope: 0.0, role, lower: problem.lower.0[j], upper: problem.upper.0[j] }
+        });
+        let rows = problem.rows.iter().zip(problem.coefficients).map(|(row, coefficients)| {
+            let value = x.dot(coefficients);
+            Constraint { value, slope: 0.0, role: Role::Later, lower: row.lower, upper: row.upper }
+        });
+        refill(&mut self.constraints, unknowns.chain(rows));
         refill(&mut self.fixed, (0..n).filter(|&j| problem.is_pinned(j)).map(unit));
         refill(&mut self.free, (0..n).filter(|&j| !problem.is_pinned(j)).map(unit));
         self.held.clear();
@@ -144,16 +177,11 @@ impl<const N: usize> Cascade<N> {
             return;
         };
         for i in size.start..size.end {
-            let is_inequality = problem.rows[i].lower < problem.rows[i].upper;
-            let at = n + i;
-            self.values[at] = problem.rows[i].coefficients.dot(&self.x);
-            self.roles[at] = if is_inequality {
-                Role::Slack(broken(self.values[at], self.lower[at], self.upper[at]))
-            } else {
-                Role::Equation
-            };
-            if is_active(self.roles[at]) {
-                self.add_curvature(&problem.rows[i].coefficients, 1.0);
+            let row = &mut self.constraints[n + i];
+            row.value = self.x.dot(&problem.coefficients[i]);
+            row.role = if problem.rows[i].is_equation() { Role::Equation } else { Role::Slack(row.broken()) };
+            if is_active(row.role) {
+                self.add_curvature(&problem.coefficients[i], 1.0);
             }
         }
     }
@@ -161,10 +189,9 @@ impl<const N: usize> Cascade<N> {
     /// Returns the size of a residual of the level.
     fn size(&self, problem: &ProblemRows<N>, level: usize) -> f64 {
         let Some(size) = problem.levels.get(level) else { return self.x.norm() + problem.reference.norm() };
-        let bounds = (problem.unknowns + size.start..problem.unknowns + size.end).map(|at| {
-            let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
-            finite(self.lower[at]).max(finite(self.upper[at]))
-        });
+        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
+        let rows = &self.constraints[problem.unknowns..][size.rows()];
+        let bounds = rows.iter().map(|row| finite(row.lower).max(finite(row.upper)));
         bounds.fold(0.0, f64::max) + size.norm * self.x.norm()
     }
 
@@ -205,19 +232,10 @@ impl<const N: usize> Cascade<N> {
         };
         self.gradient = Row::ZERO;
         for i in size.start..size.end {
-            let slack = self.slack(problem.unknowns + i);
+            let slack = self.constraints[problem.unknowns + i].slack();
             if slack != 0.0 {
-                self.gradient.add_scaled(slack, &problem.rows[i].coefficients);
+                self.gradient.add_scaled(slack, &problem.coefficients[i]);
             }
-        }
-    }
-
-    /// Returns by how much the value of a row of this level is above (positive) or below its bound.
-    fn slack(&self, at: usize) -> f64 {
-        match self.roles[at] {
-            Role::Equation | Role::Slack(Some(Side::Lower)) => self.values[at] - self.lower[at],
-            Role::Slack(Some(Side::Upper)) => self.values[at] - self.upper[at],
-            _ => 0.0,
         }
     }
 
@@ -225,11 +243,10 @@ impl<const N: usize> Cascade<N> {
     /// role.
     fn advance(&mut self, problem: &ProblemRows<N>, level: usize, step: &Row<N>) -> bool {
         let n = problem.unknowns;
-        self.slopes[..n].copy_from_slice(&step.0[..n]);
-        for (i, row) in problem.rows.iter().enumerate() {
-            if is_moving(self.roles[n + i]) {
-                self.slopes[n + i] = row.coefficients.dot(step);
-            }
+        let (unknowns, rows) = self.constraints.split_at_mut(n);
+        unknowns.iter_mut().zip(&step.0).for_each(|(unknown, slope)| unknown.slope = *slope);
+        for (row, coefficients) in rows.iter_mut().zip(problem.coefficients).filter(|(row, _)| row.is_moving()) {
+            row.slope = step.dot(coefficients);
         }
         let (most, blocking) = self.first_bound(problem, step);
         let length = self.least_slack(problem, level, step, most);
@@ -238,19 +255,20 @@ impl<const N: usize> Cascade<N> {
         self.x.add_scaled(length, step);
         self.x = self.x.clamp(&problem.lower, &problem.upper);
         let mut changed = false;
-        self.values[..n].copy_from_slice(&self.x.0[..n]);
-        for at in n..self.values.len() {
-            if !is_moving(self.roles[at]) {
+        self.constraints.iter_mut().zip(&self.x.0[..n]).for_each(|(unknown, x)| unknown.value = *x);
+        for at in n..self.constraints.len() {
+            let row = &mut self.constraints[at];
+            if !row.is_moving() {
                 continue;
             }
-            self.values[at] += length * self.slopes[at];
-            if let Role::Slack(before) = self.roles[at] {
-                let after = broken(self.values[at], self.lower[at], self.upper[at]);
-                if after.is_some() != before.is_some() {
-                    self.add_curvature(&problem.rows[at - n].coefficients, if after.is_some() { 1.0 } else { -1.0 });
-                }
+            row.value += length * row.slope;
+            if let Role::Slack(before) = row.role {
+                let after = row.broken();
                 changed |= after != before;
-                self.roles[at] = Role::Slack(after);
+                row.role = Role::Slack(after);
+                if after.is_some() != before.is_some() {
+                    self.add_curvature(&problem.coefficients[at - n], if after.is_some() { 1.0 } else { -1.0 });
+                }
             }
         }
         if let (true, Some((constraint, side))) = (is_blocked, blocking) {
@@ -272,20 +290,18 @@ impl<const N: usize> Cascade<N> {
                 multipliers.0[at].abs() * held.normal.norm() > TOLERANCES.cascade_zero * own.norm * size,
             ));
         }
-        for i in own.start..own.end {
-            let at = n + i;
-            let slack = self.slack(at);
-            self.roles[at] = match self.roles[at] {
+        for (row, coefficients) in self.constraints[n..][own.rows()].iter_mut().zip(&problem.coefficients[own.rows()]) {
+            row.role = match row.role {
                 Role::Equation => Role::Fixed(None),
-                Role::Slack(side @ Some(_)) if slack.abs() > rounding => Role::Fixed(side),
+                Role::Slack(side @ Some(_)) if row.slack().abs() > rounding => Role::Fixed(side),
                 _ => {
-                    self.lower[at] = self.lower[at].min(self.values[at]);
-                    self.upper[at] = self.upper[at].max(self.values[at]);
+                    row.lower = row.lower.min(row.value);
+                    row.upper = row.upper.max(row.value);
                     Role::Kept
                 }
             };
-            if matches!(self.roles[at], Role::Fixed(_)) {
-                self.candidates.push(problem.rows[i].coefficients);
+            if matches!(row.role, Role::Fixed(_)) {
+                self.candidates.push(Row(*coefficients));
             }
         }
         self.fix_candidates(own.norm);
@@ -302,8 +318,8 @@ impl<const N: usize> Cascade<N> {
     fn write(&self, problem: &ProblemRows<N>, set: &mut WorkingSet) {
         let n = problem.unknowns;
         set.clear(n, problem.rows.len());
-        for (at, role) in self.roles.iter().enumerate() {
-            if let Role::Fixed(side) | Role::Slack(side) = *role {
+        for (at, constraint) in self.constraints.iter().enumerate() {
+            if let Role::Fixed(side) | Role::Slack(side) = constraint.role {
                 *place(set, n, at) = side;
             }
         }
@@ -320,24 +336,8 @@ fn place(set: &mut WorkingSet, n: usize, constraint: usize) -> &mut Option<Side>
     }
 }
 
-/// Returns whether the value of a row is followed.
-fn is_moving(role: Role) -> bool {
-    !matches!(role, Role::Later | Role::Fixed(_))
-}
-
 fn is_active(role: Role) -> bool {
     matches!(role, Role::Equation | Role::Slack(Some(_)))
-}
-
-/// Returns the bound that a value breaks.
-fn broken(value: f64, lower: f64, upper: f64) -> Option<Side> {
-    if value > upper {
-        Some(Side::Upper)
-    } else if value < lower {
-        Some(Side::Lower)
-    } else {
-        None
-    }
 }
 
 /// Returns a row with 1 at the place j.

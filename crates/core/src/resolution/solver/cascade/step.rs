@@ -1,6 +1,6 @@
 //! The Newton step of a level, and how far it goes.
 
-use super::{Cascade, Role};
+use super::{Cascade, Constraint, Role};
 use crate::linalg::Row;
 use crate::resolution::Side;
 use crate::resolution::solver::problem_rows::ProblemRows;
@@ -51,17 +51,16 @@ impl<const N: usize> Cascade<N> {
         let (mut most, mut first, mut steepest) = (f64::INFINITY, None, 0.0);
         let tiny = TOLERANCES.cascade_dependent * step.norm();
         let speed = self.x.norm() + step.norm();
-        for constraint in (0..self.roles.len()).filter(|&at| self.roles[at] == Role::Kept) {
-            let (value, slope) = (self.values[constraint], self.slopes[constraint]);
-            let norm = if constraint < n { 1.0 } else { problem.rows[constraint - n].square.sqrt() };
+        for (at, constraint) in self.constraints.iter().enumerate().filter(|(_, it)| it.role == Role::Kept) {
+            let Constraint { value, slope, lower, upper, .. } = *constraint;
+            let norm = if at < n { 1.0 } else { problem.rows[at - n].square.sqrt() };
             if slope.abs() <= tiny * norm {
                 continue;
             }
-            let (side, bound) =
-                if slope > 0.0 { (Side::Upper, self.upper[constraint]) } else { (Side::Lower, self.lower[constraint]) };
+            let (side, bound) = if slope > 0.0 { (Side::Upper, upper) } else { (Side::Lower, lower) };
             let length = ((bound - value) / slope).max(0.0);
             let near = TOLERANCES.cascade_at_once * speed * norm / slope.abs();
-            if !(length <= most + near) || self.is_held(constraint) {
+            if !(length <= most + near) || self.is_held(at) {
                 continue;
             }
             // Among bounds that are met at once, the one that is met most steeply.
@@ -69,7 +68,7 @@ impl<const N: usize> Cascade<N> {
             let steepness = slope.abs() / norm;
             if is_first || first.is_none() || (self.idle <= 2 * n && steepness > steepest) {
                 (most, first, steepest) =
-                    (if first.is_none() { length } else { length.min(most) }, Some((constraint, side)), steepness);
+                    (if first.is_none() { length } else { length.min(most) }, Some((at, side)), steepness);
             }
         }
         (most, first)
@@ -81,23 +80,21 @@ impl<const N: usize> Cascade<N> {
 
     /// Returns how far along the step, at most `most`, the slack is least.
     pub(super) fn least_slack(&mut self, problem: &ProblemRows<N>, level: usize, step: &Row<N>, most: f64) -> f64 {
-        let n = problem.unknowns;
         let Some(size) = problem.levels.get(level) else { return most.min(1.0) };
         let (mut slope, mut curvature) = (self.gradient.dot(step), 0.0);
         self.kinks.clear();
-        for i in size.start..size.end {
-            let (at, rate) = (n + i, self.slopes[n + i]);
+        for &Constraint { value, slope: rate, role, lower, upper } in &self.constraints[problem.unknowns..][size.rows()]
+        {
             let square = rate * rate;
-            match self.roles[at] {
+            match role {
                 Role::Equation => curvature += square,
                 Role::Slack(side) => {
                     curvature += if side.is_some() { square } else { 0.0 };
                     if rate == 0.0 {
                         continue;
                     }
-                    let bounds = (self.lower[at], self.upper[at]);
-                    let (leaves, enters) = if rate > 0.0 { bounds } else { (bounds.1, bounds.0) };
-                    let place = |bound: f64| (bound - self.values[at]) / rate;
+                    let (leaves, enters) = if rate > 0.0 { (lower, upper) } else { (upper, lower) };
+                    let place = |bound: f64| (bound - value) / rate;
                     let (leaves, enters) = (place(leaves), place(enters));
                     if leaves > 0.0 && leaves < most {
                         self.kinks.push((leaves, -square));

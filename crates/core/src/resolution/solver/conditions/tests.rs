@@ -4,7 +4,7 @@
 use super::*;
 use crate::linalg::{Matrix, Svd, Vector};
 use crate::resolution::Side;
-use crate::resolution::level::Hierarchy;
+use crate::resolution::hierarchy::Hierarchy;
 use crate::resolution::solver::random_sets::{RandomSet, WIDTH, numbers};
 
 /// What the conditions say, computed from the rows with pseudo-inverses.
@@ -25,7 +25,8 @@ struct Expected<'a> {
 
 impl<'a> Expected<'a> {
     fn new(of: &'a RandomSet, exact: Vector, rounding: f64) -> Self {
-        let RandomSet { problem, set, solved } = of;
+        let RandomSet { set, solved, .. } = of;
+        let problem = of.problem();
         let mut expected = Self {
             of,
             rounding,
@@ -50,11 +51,11 @@ impl<'a> Expected<'a> {
 
     /// Whether the sign of a bound that can give way is open.
     fn is_open(&self) -> bool {
-        self.undecided.iter().any(|&j| !self.of.problem.is_pinned(j)) || !self.undecided_rows.is_empty()
+        self.undecided.iter().any(|&j| !self.of.problem().is_pinned(j)) || !self.undecided_rows.is_empty()
     }
 
     fn evaluate(&mut self) {
-        let RandomSet { problem, set, solved } = self.of;
+        let (problem, RandomSet { set, solved, .. }) = (self.of.problem(), self.of);
         let (x, speed) = (&solved.x.0, solved.peak_speed);
         for &j in &solved.free {
             let outside = (x[j] - problem.upper.0[j]).max(problem.lower.0[j] - x[j]).max(0.0);
@@ -62,7 +63,7 @@ impl<'a> Expected<'a> {
                 self.wrong.push(j);
             }
         }
-        let value = |row: usize| (0..problem.unknowns).map(|j| problem.rows[row].coefficients.0[j] * x[j]).sum::<f64>();
+        let value = |row: usize| (0..problem.unknowns).map(|j| problem.coefficients[row][j] * x[j]).sum::<f64>();
         for row in (0..problem.rows.len()).filter(|&row| !problem.is_active(set, row)) {
             let missing = (value(row) - problem.rows[row].upper).max(problem.rows[row].lower - value(row)).max(0.0);
             if self.note(missing, self.of.matrix(&[row]).norm() * speed) {
@@ -88,13 +89,13 @@ impl<'a> Expected<'a> {
     }
 
     fn norm(&self, level: usize) -> f64 {
-        let level = self.of.problem.levels[level];
+        let level = self.of.problem().levels[level];
         self.of.matrix(&(level.start..level.end).collect::<Vec<_>>()).norm()
     }
 
     /// Returns w of all rows, h, and the size Σ |w_i| ‖A_level(i)‖, from the part of level k.
     fn multipliers_of(&self, k: usize, own: &[(usize, f64)]) -> (Vec<f64>, Vector, f64) {
-        let RandomSet { problem, solved, .. } = self.of;
+        let (problem, solved) = (self.of.problem(), &self.of.solved);
         let n = problem.unknowns;
         let mut w = vec![0.0; problem.rows.len()];
         let (mut h, mut size) = (Vector::zeros(n), 0.0);
@@ -149,7 +150,7 @@ impl<'a> Expected<'a> {
     }
 
     fn level(&mut self, k: usize, size: f64) {
-        let RandomSet { problem, set, solved } = self.of;
+        let (problem, RandomSet { set, solved, .. }) = (self.of.problem(), self.of);
         let own: Vec<(usize, f64)> = match solved.spans.get(k) {
             Some(span) => solved.rows[span.start..span.end].iter().map(|row| (row.index, row.residual)).collect(),
             None => Vec::new(),
@@ -210,8 +211,8 @@ impl<'a> Expected<'a> {
 
 fn evaluate(of: &RandomSet, rounding: f64) -> Conditions<WIDTH> {
     let mut conditions = Conditions::default();
-    let RandomSet { problem, set, solved } = of;
-    let trial = Trial { problem, set, solved };
+    let (problem, RandomSet { set, solved, .. }) = (of.problem(), of);
+    let trial = Trial { problem: &problem, set, solved };
     conditions.check_point(trial, rounding);
     conditions.check_levels(trial);
     conditions
@@ -229,7 +230,7 @@ fn the_conditions_are_those_of_the_documentation() {
     let (mut wrong, mut wrong_rows, mut decided, mut last_level) = (0, 0, 0, 0);
     for seed in 0..600 {
         let mut of = RandomSet::new(seed);
-        let exact = Vector::from_column_slice(&of.solved.x.0[..of.problem.unknowns]);
+        let exact = Vector::from_column_slice(&of.solved.x.0[..of.problem().unknowns]);
         let mut number = numbers(seed + 2_000_000);
         let error = [0.0, 1e-3, 0.3][usize::try_from(seed % 3).unwrap()];
         for &j in &of.solved.free {
@@ -272,19 +273,17 @@ fn the_conditions_are_those_of_the_documentation() {
 fn of_rows(rows: &[([f64; 2], f64)], upper: f64) -> RandomSet {
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&[0.0; 2]);
-    hierarchy.width = WIDTH;
+    hierarchy.set_width(WIDTH);
     for (row, target) in rows {
-        hierarchy.push_row(row.iter().copied(), *target, *target);
+        hierarchy.push_equation(row.iter().copied(), *target);
     }
     hierarchy.end_level();
-    let mut of = RandomSet::new(0);
     if upper.is_finite() {
         (hierarchy.lower[0], hierarchy.upper[0]) = (upper, upper);
     }
-    of.problem.load(&hierarchy);
-    of.set.clear(2, rows.len());
-    of.solved.solve(&of.problem, &of.set);
-    of
+    let mut set = WorkingSet::default();
+    set.clear(2, rows.len());
+    RandomSet::of(hierarchy, set)
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector};
-use crate::resolution::level::Hierarchy;
+use crate::resolution::hierarchy::Hierarchy;
 use crate::resolution::solver::random_sets::{RandomSet, WIDTH};
 
 /// Returns the entries of a over the coordinates of a factorisation.
@@ -21,7 +21,7 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
     let mut residuals = 0;
     for seed in 0..1000 {
         let of = RandomSet::new(seed);
-        let RandomSet { problem, solved, .. } = &of;
+        let (problem, solved) = (of.problem(), &of.solved);
         let n = problem.unknowns;
         let x = of.point();
         let speed = solved.peak_speed;
@@ -47,15 +47,14 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
             let norm = problem.levels[k].norm;
             let rows = &solved.rows[span.start..span.end];
             let left: Vec<f64> =
-                rows.iter().map(|row| row.target - problem.rows[row.index].coefficients.dot(&solved.x)).collect();
+                rows.iter().map(|row| row.target - solved.x.dot(&problem.coefficients[row.index])).collect();
             let size = span.target + norm * speed;
             assert!(is_near(&rows.iter().map(|row| row.residual).collect::<Vec<_>>(), &left, size), "seed {seed}");
             let largest = left.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
             assert_eq!(span.has_residual, largest > 1e-10 * size, "seed {seed}: {largest:e}");
             residuals += usize::from(span.has_residual);
             for (place, row) in rows.iter().enumerate() {
-                let mut expected =
-                    over_coordinates(solved, &problem.rows[row.index].coefficients.times(&solved.is_free));
+                let mut expected = over_coordinates(solved, &solved.is_free.times(&problem.coefficients[row.index]));
                 assert!(expected[span.rank_end()..].iter().all(|entry| entry.abs() <= 1e-11 * norm), "seed {seed}");
                 expected[span.rank_end()..].fill(0.0);
                 assert!(is_near(&row.coordinates.0, &expected, norm), "seed {seed}, row {}", row.index);
@@ -77,16 +76,14 @@ fn the_factorisation_is_a_triangle_and_its_point_is_that_of_pseudo_inverses() {
 fn solved(levels: &[&[([f64; 3], f64)]], unit: f64) -> Factorization<WIDTH> {
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&[0.0; 3]);
-    hierarchy.width = WIDTH;
+    hierarchy.set_width(WIDTH);
     for rows in levels {
-        rows.iter().for_each(|(row, b)| hierarchy.push_row(row.iter().map(|a| unit * a), unit * b, unit * b));
+        rows.iter().for_each(|(row, b)| hierarchy.push_equation(row.iter().map(|a| unit * a), unit * b));
         hierarchy.end_level();
     }
-    let mut of = RandomSet::new(0);
-    of.problem.load(&hierarchy);
-    of.set.clear(3, hierarchy.row_count());
-    of.solved.solve(&of.problem, &of.set);
-    of.solved
+    let mut set = WorkingSet::default();
+    set.clear(3, hierarchy.rows.len());
+    RandomSet::of(hierarchy, set).solved
 }
 
 /// Two rows with the angle ε: σ_min = ε ‖A‖ / 2.

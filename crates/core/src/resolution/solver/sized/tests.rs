@@ -1,6 +1,8 @@
 //! What the last factorisation tells, compared with singular values of dense matrices.
 #![allow(non_snake_case)]
 
+use revprio_problem::MAX_UNKNOWNS;
+
 use super::*;
 use crate::linalg::{Matrix, Svd, smallest_and_product};
 use crate::resolution::solver::random_sets::{below, numbers};
@@ -21,7 +23,7 @@ fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
                 A.set_row(i, &(2.0 * A.row(i - 1)));
             }
         }
-        hierarchy.push_matrix(&A, |_| 0.5, |_| 0.5);
+        hierarchy.push_equations(&A, |_| 0.5);
         hierarchy.end_level();
         matrices.push(A);
     }
@@ -35,8 +37,8 @@ fn the_last_factorisation_tells_the_singular_values() {
         let (hierarchy, matrices) = levels(seed);
         let n = hierarchy.unknowns;
         let mut solver = HierarchicalSolver::default();
-        let solver = solver.of_width(n);
-        solver.solve(&hierarchy, Start::Empty, &mut Solution::default());
+        let solver = solver.of_width(&hierarchy);
+        solver.solve(&hierarchy, Start::default(), &mut Solution::default());
         let (mut N, mut open) = (Matrix::identity(n, n), n);
         for (level, A) in matrices.iter().enumerate() {
             let svd = Svd::new(&(A * &N));
@@ -50,7 +52,7 @@ fn the_last_factorisation_tells_the_singular_values() {
             full += usize::from(found > 0.0);
             deficient += usize::from(found == 0.0);
         }
-        if n - open == hierarchy.row_count() {
+        if n - open == hierarchy.rows.len() {
             let all = Matrix::from_fn(n - open, n, |i, j| hierarchy.row(i)[j]);
             let sigma = Svd::new(&all).singular_values().to_vec();
             let product = sigma.iter().product::<f64>();
@@ -58,16 +60,17 @@ fn the_last_factorisation_tells_the_singular_values() {
             let (found, found_product) = smallest_and_product(&all);
             assert!((found_product - product).abs() < 1e-11 * product);
             assert!((found - sigma[sigma.len() - 1]).abs() < 1e-12);
+            let norm = hierarchy.equation_norm();
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
-            let found = [0.999, 1.001].map(|factor| solver.bound_smallest(f64::INFINITY, factor * certain));
+            let found = [0.999, 1.001].map(|factor| solver.bound_smallest(norm, f64::INFINITY, factor * certain));
             assert!((found[0] - certain).abs() < 1e-9 * certain, "seed {seed}");
             assert!((found[1] - sigma[sigma.len() - 1]).abs() < 1e-12, "seed {seed}");
             let others = sigma.len() as f64 - 1.0;
             let quick = product * (others / all.norm_squared()).powf(0.5 * others);
-            assert!((solver.bound_smallest(0.999 * quick, certain) - quick).abs() < 1e-9 * quick, "seed {seed}");
+            assert!((solver.bound_smallest(norm, 0.999 * quick, certain) - quick).abs() < 1e-9 * quick, "seed {seed}");
             assert!(quick <= found[1] * (1.0 + 1e-12), "seed {seed}");
-            assert!((solver.active_norm() - all.norm()).abs() < 1e-12 * all.norm());
+            assert!((norm - all.norm()).abs() < 1e-12 * all.norm());
         }
     }
     assert!(full > 300 && deficient > 200, "{full} {deficient}");
@@ -78,11 +81,11 @@ fn each_number_of_unknowns_has_a_solver() {
     for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 40, 41, 72, 73, MAX_UNKNOWNS] {
         let mut hierarchy = Hierarchy::default();
         hierarchy.clear(&vec![0.0; n]);
-        hierarchy.push_row((0..n).map(|_| 1.0), 1.0, 1.0);
+        hierarchy.push_equation((0..n).map(|_| 1.0), 1.0);
         hierarchy.end_level();
         let (mut solver, mut solution) = (HierarchicalSolver::default(), Solution::default());
-        solver.of_width(hierarchy.unknowns).solve(&hierarchy, Start::Empty, &mut solution);
+        solver.of_width(&hierarchy).solve(&hierarchy, Start::default(), &mut solution);
         assert!(solution.x.iter().all(|x| (x * n as f64 - 1.0).abs() < 1e-12), "{n} unknowns");
-        assert!(solution.is_optimal && solution.kkt_residual < 1e-14);
+        assert!(solution.certainty.is_optimal && solution.certainty.kkt_residual < 1e-14);
     }
 }

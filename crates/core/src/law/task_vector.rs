@@ -4,7 +4,7 @@ use std::ops::{Add, Deref, DerefMut, Mul, Neg, Sub};
 
 use smallvec::SmallVec;
 
-use super::Vector;
+use crate::linalg::Vector;
 
 /// A column of up to 12 entries in place, of more on the heap.
 #[derive(Debug, Clone, PartialEq, Default)]

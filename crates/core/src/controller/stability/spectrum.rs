@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, Schur};
 
-use super::Matrix;
+use crate::linalg::Matrix;
 
 /// Sweeps per eigenvalue. Francis' method needs two or three.
 const SWEEPS_PER_EIGENVALUE: usize = 100;
