@@ -262,7 +262,7 @@ impl TaskGain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::TaskVector;
+    use crate::law::TaskVector;
 
     const PERIOD: f64 = 0.01;
 

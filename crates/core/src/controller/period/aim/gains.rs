@@ -1,7 +1,7 @@
 //! What the position tasks gain in a period.
 
 use crate::controller::state::{Gained, RestState, TaskGain};
-use crate::linalg::TaskVector;
+use crate::law::TaskVector;
 use crate::streaming::TargetValue;
 
 /// What the position tasks gain in a period.
