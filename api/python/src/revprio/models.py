@@ -65,6 +65,7 @@ __all__ = [
     "JointDrive",
     "JointKind",
     "JointLimitsNullSpaceMotion",
+    "JointTurns",
     "JointView",
     "JointsInequality",
     "KinematicsAnswer",
@@ -105,6 +106,7 @@ __all__ = [
     "ResolveRequest",
     "ResolveTask",
     "RestNullSpaceMotion",
+    "RestState",
     "Robot",
     "RobotChain",
     "RobotJoint",
@@ -151,6 +153,7 @@ __all__ = [
     "TargetSample",
     "TargetState",
     "TargetStream",
+    "TaskGain",
     "TaskOutcome",
     "TimeHistogram",
     "TipReason",
@@ -1914,6 +1917,27 @@ JointKind = Literal["revolute", "prismatic"]
 """The kind of motion of a joint."""
 
 
+class JointTurns(Body):
+    """How a joint turns.
+
+    Fields:
+
+    - velocity: Command at the last turning point and extreme since then, rad/s or m/s.
+    - falls: Whether the command falls since the last turning point; default: no.
+    - position: Positions of the last two turns and extreme since then, rad or m; default: the joint has not moved.
+    - repeats: How often in a row the joint turned where it had turned before; default 0.
+    """
+
+    velocity: Vector
+    """Command at the last turning point and extreme since then, rad/s or m/s."""
+    falls: bool | None = None
+    """Whether the command falls since the last turning point; default: no."""
+    position: Vector | None = None
+    """Positions of the last two turns and extreme since then, rad or m; default: the joint has not moved."""
+    repeats: int | None = None
+    """How often in a row the joint turned where it had turned before; default 0."""
+
+
 class LinkFrame(Answer):
     """The frame of one link.
 
@@ -2221,6 +2245,51 @@ class LiveFrame(Answer):
     """Simulated time, s."""
 
 
+class TaskGain(Body):
+    """What a task has gained.
+
+    Fields:
+
+    - least: The least distance from the target since it changed, m and rad together.
+    - task: Name of the task.
+    - pose: The target of a task on the tool.
+    - values: The target of a task on joints, one number per row.
+    """
+
+    least: float
+    """The least distance from the target since it changed, m and rad together."""
+    task: str
+    """Name of the task."""
+    pose: Pose | None = None
+    """The target of a task on the tool."""
+    values: Vector | None = None
+    """The target of a task on joints, one number per row."""
+
+
+class RestState(Body):
+    """How the joints turn and what the tasks gained by it.
+
+    Fields:
+
+    - joints: How each joint turns, in joint order.
+    - spent: W, what the joints have spent by turning without a gain, 0 to 2.7.
+    - tasks: What the tasks that follow positions have gained.
+    - exhausted: How often they have spent all; default 0.
+    - fading_since_s: Time since which the requests fade, s; default: they do not.
+    """
+
+    joints: list[JointTurns]
+    """How each joint turns, in joint order."""
+    spent: float
+    """W, what the joints have spent by turning without a gain, 0 to 2.7."""
+    tasks: list[TaskGain]
+    """What the tasks that follow positions have gained."""
+    exhausted: int | None = None
+    """How often they have spent all; default 0."""
+    fading_since_s: float | None = None
+    """Time since which the requests fade, s; default: they do not."""
+
+
 class Stall(Body):
     """How far a joint was commanded and has moved since it last followed its commands, or lately.
 
@@ -2318,17 +2387,21 @@ class Progress(Body):
     Fields:
 
     - share: Filtered share of the requested velocity that the task achieves, 0 to 1.
-    - attempts: How often the arm has left since the task reached its target; default 0.
+    - attempts: How often the arm has left since a target changed; default 0.
     - leaving_since_s: Time at which the arm began to leave the posture, s; default: it does not leave.
+    - left_at: Distance of the task from its target when the arm left last, m and rad together; default: it has not
+      left.
     - slow_since_s: Time since which the share is below one half, s; default: it is not.
     """
 
     share: float
     """Filtered share of the requested velocity that the task achieves, 0 to 1."""
     attempts: int | None = None
-    """How often the arm has left since the task reached its target; default 0."""
+    """How often the arm has left since a target changed; default 0."""
     leaving_since_s: float | None = None
     """Time at which the arm began to leave the posture, s; default: it does not leave."""
+    left_at: float | None = None
+    """Distance of the task from its target when the arm left last, m and rad together; default: it has not left."""
     slow_since_s: float | None = None
     """Time since which the share is below one half, s; default: it is not."""
 
@@ -2349,6 +2422,8 @@ class Memory(Body):
     - initial_joint_position: Joint position of the first state, rad or m; default: that of the next state.
     - jerk: What joints with a jerk limit remember; default: they have moved at the last command for long.
     - joint_position: Joint position of the last state, rad or m; default: unknown.
+    - rest: How the joints turn and what the tasks gained by it, so that the arm comes to rest; default: the next
+      state starts anew.
     - stalls: Joints that did not follow their commands lately; default: none.
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
@@ -2377,6 +2452,9 @@ class Memory(Body):
     """What joints with a jerk limit remember; default: they have moved at the last command for long."""
     joint_position: Vector | None = None
     """Joint position of the last state, rad or m; default: unknown."""
+    rest: RestState | None = None
+    """How the joints turn and what the tasks gained by it, so that the arm comes to rest; default: the next state
+    starts anew."""
     stalls: list[Stall] | None = None
     """Joints that did not follow their commands lately; default: none."""
     target_streams: list[TargetStream] | None = None
@@ -3037,7 +3115,10 @@ class StepAnswer(Answer):
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
     - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
+    - fading_since_s: Time since which the requests fade, s; default: they do not.
     - memory: Memory to send with the next state; only in answers without a session.
+    - request_share: Share of the requests that remains, 0 to 1, because joints turn again and again although no
+      task gains by it. At 0 the arm rests, perhaps short of its targets, until a target changes. Default: 1.
     - stuck_tasks: Tasks that make no progress, and what holds them back.
     - violated_inequalities: Violated inequalities.
     - warnings: Warnings: what is not plausible about the state, and what to do.
@@ -3078,8 +3159,13 @@ class StepAnswer(Answer):
     """Active inequalities."""
     contradictions: list[Contradiction] = Field(default_factory=list)
     """Contradictions: minimal sets of demands that cannot all be kept."""
+    fading_since_s: float | None = None
+    """Time since which the requests fade, s; default: they do not."""
     memory: Memory | None = None
     """Memory to send with the next state; only in answers without a session."""
+    request_share: float | None = None
+    """Share of the requests that remains, 0 to 1, because joints turn again and again although no task gains by it. At
+    0 the arm rests, perhaps short of its targets, until a target changes. Default: 1."""
     stuck_tasks: list[StuckTask] = Field(default_factory=list)
     """Tasks that make no progress, and what holds them back."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)

@@ -60,8 +60,8 @@ pub use simulation::{Interactive, Simulation, SimulationMetrics, SimulationState
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};
 pub use state_checks::StateChecks;
 pub use step::{
-    ActiveLimitName, Fading, FramePose, JerkState, JointTurns, Memory, Obstacle, Progress, RestState, Stall, State,
-    StepAnswer, StepRequest, StuckTask, TaskGain, Wrench,
+    ActiveLimitName, FramePose, JerkState, JointTurns, Memory, Obstacle, Progress, RestState, Stall, State, StepAnswer,
+    StepRequest, StuckTask, TaskGain, Wrench,
 };
 pub use streaming::{
     StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetReference, TargetSample, TargetState, TargetStream,

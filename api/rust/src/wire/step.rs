@@ -127,6 +127,7 @@ pub struct RestState {
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub exhausted: u32,
     /// Time since which the requests fade, s; default: they do not.
+    #[schema(example = 12.4)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fading_since_s: Option<f64>,
     /// How each joint turns, in joint order.
@@ -220,19 +221,9 @@ pub struct Progress {
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub attempts: u32,
     /// Distance of the task from its target when the arm left last, m and rad together; default: it has not left.
+    #[schema(example = 0.4)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_at: Option<f64>,
-}
-
-/// How far the requests of all tasks fade. The arm then rests, perhaps short of its targets, until a target changes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Fading {
-    /// Share of the requests that remains, 0 to 1; 0: the arm rests.
-    #[schema(example = 0.0)]
-    pub share: f64,
-    /// Time since which the requests fade, s.
-    #[schema(example = 12.4)]
-    pub since_s: f64,
 }
 
 /// A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
@@ -330,9 +321,15 @@ pub struct StepAnswer {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"task": "hold", "since_s": 3.2, "held_by": ["limits"], "leaving": true}]))]
     pub stuck_tasks: Vec<StuckTask>,
-    /// How far the requests fade, because joints turn again and again although no task gains by it; only if they do.
+    /// Share of the requests that remains, 0 to 1, because joints turn again and again although no task gains by it. At 0 the arm
+    /// rests, perhaps short of its targets, until a target changes. Default: 1.
+    #[schema(example = 0.0)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fading: Option<Fading>,
+    pub request_share: Option<f64>,
+    /// Time since which the requests fade, s; default: they do not.
+    #[schema(example = 12.4)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fading_since_s: Option<f64>,
     /// Active limits: bounds that the answer reaches and that restrict it.
     pub active_limits: Vec<ActiveLimit>,
     /// Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
