@@ -136,7 +136,7 @@ fn evaluate_law(
     let state = task_state(task, arm, streams);
     if matches!(task.law, Law::Position(_)) {
         let write = |target: &mut TargetValue| {
-            task.rows.write_target(arm.at_rest(), streams.position, &state.displacement, target)
+            task.rows.write_target(arm.at_rest(), streams.position, &state.displacement, target);
         };
         gains.add(k, &state.displacement, write);
     }
@@ -171,8 +171,12 @@ fn fade(
         _ => 1.0,
     };
     if share < 1.0 {
-        targets.iter_mut().for_each(|target| target.velocity *= share);
-        null_space_velocity.into_iter().for_each(|velocity| *velocity *= share);
+        for target in targets {
+            target.velocity *= share;
+        }
+        if let Some(velocity) = null_space_velocity {
+            *velocity *= share;
+        }
     }
     share
 }

@@ -306,8 +306,8 @@ mod tests {
         assert_eq!(TaskGain::update(&mut gain, 0.875, &value(0.0)), Gained::Earned { gain: 0.0, way: 0.0 });
         // The target moves away: its way is earned, and the task may be as far behind.
         assert_eq!(
-            TaskGain::update(&mut gain, 0.765625, &value(0.015625)),
-            Gained::Earned { gain: 0.015625, way: 0.015625 }
+            TaskGain::update(&mut gain, 0.765_625, &value(0.015_625)),
+            Gained::Earned { gain: 0.015_625, way: 0.015_625 }
         );
         assert_eq!(TaskGain::update(&mut gain, 0.75, &value(1.0)), Gained::NewTarget);
     }

@@ -6,7 +6,7 @@ use crate::streaming::TargetValue;
 
 /// What the position tasks gain in a period.
 #[derive(Debug, Default)]
-pub(in crate::controller::period) struct Gains {
+pub struct Gains {
     /// Σ g.
     pub earned: f64,
     /// Σ d, the ways of the targets, m and rad together.

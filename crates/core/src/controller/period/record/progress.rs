@@ -115,7 +115,9 @@ impl Observation<'_> {
         stuck.clear();
         progress.resize(self.config.tasks.len(), Progress::FREE);
         if self.has_new_target {
-            progress.iter_mut().for_each(|progress| (progress.attempts, progress.left_at) = (0, None));
+            for progress in progress.iter_mut() {
+                (progress.attempts, progress.left_at) = (0, None);
+            }
         }
         let mut attempts: u32 = progress.iter().map(|progress| progress.attempts).sum();
         let (mut above_moves, mut has_left) = (true, false);
