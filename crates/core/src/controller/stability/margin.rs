@@ -11,7 +11,7 @@ pub struct Margin {
     pub spectral_radius: f64,
     /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if unstable at τ = 0.
     pub largest_lag_s: Option<f64>,
-    /// Maximum d, up to [`MAX_DELAY_PERIODS`], at which the loop is stable with its lag; `None` if unstable at d = 0.
+    /// Maximum d, up to [`MAX_DELAY_PERIODS`](super::MAX_DELAY_PERIODS), at which the loop is stable with its lag; `None` if unstable at d = 0.
     pub largest_delay_periods: Option<usize>,
     /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,
