@@ -7,6 +7,7 @@ mod braking;
 mod causes;
 mod constraints;
 mod drives;
+mod fast_targets;
 mod frames;
 mod free_space;
 mod hold;

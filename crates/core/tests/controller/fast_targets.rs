@@ -1,0 +1,264 @@
+//! Targets that move fast: steps and figures of the tool, with lag and dead time of the drive.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
+use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig};
+use revprio_core::law::{Point, Profile};
+use revprio_core::limits::Drive;
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
+use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
+use revprio_robot::{RobotModel, built_in};
+
+use super::arms::{Random, position, task, tool_rows};
+use super::drives::LaggingArm;
+
+/// T, s.
+const PERIOD: f64 = 8e-3;
+
+const DRIVE: Drive = Drive { lag_s: 0.03, delay_periods: 2 };
+
+/// Distance from the target below which a step has arrived, m.
+const ARRIVED: f64 = 2e-3;
+
+/// Time over which a figure blends in, s.
+const BLEND: f64 = 2.0;
+
+/// Time of a figure, s.
+const FIGURE: f64 = 8.0;
+
+const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// An arm and the posture from which it starts.
+struct Arm {
+    robot: Arc<RobotModel>,
+    start: Vec<f64>,
+}
+
+/// What one run shows.
+#[derive(Debug, Default)]
+struct Run {
+    /// Time of each state (s), the tool there (m), and its tilt from the target (rad).
+    tool: Vec<(f64, Vector3<f64>, f64)>,
+    /// q at the end, n.
+    end: Vec<f64>,
+    /// Largest shares of the limits of velocity and acceleration.
+    shares: [f64; 2],
+}
+
+/// How the controller learns where the target of a figure is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// The target is a profile of the task.
+    Profile,
+    /// The target of now is sent in each period.
+    Streamed,
+}
+
+impl Arm {
+    fn all() -> [Self; 2] {
+        let arm = |name: &str, start: &[f64]| {
+            let robot = built_in().iter().find(|robot| robot.name() == name).cloned().unwrap();
+            Self { robot, start: start.to_vec() }
+        };
+        [arm("ur5e", &[0.0, -1.2, 1.6, -1.9, -1.57, 0.0]), arm("panda", &[0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])]
+    }
+
+    fn tool(&self, q: &[f64]) -> IsometryMatrix3<f64> {
+        *Configuration::new(&self.robot, q).unwrap().tool_pose()
+    }
+
+    /// Runs a controller of one task; `targets`: those that are sent at a time.
+    fn run(&self, task: TaskConfig, seconds: f64, targets: impl Fn(f64) -> Vec<StreamedTarget>) -> Run {
+        let config =
+            ControllerConfig { drive: DRIVE, ..ControllerConfig::new(Arc::clone(&self.robot), PERIOD, vec![task]) };
+        let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let mut arm = LaggingArm::at_rest(&self.start, DRIVE, 0.0, 1);
+        let (mut memory, mut run, mut last) = (None, Run::default(), vec![0.0; self.start.len()]);
+        let upright = self.tool(&self.start).rotation;
+        let mut time_s = 0.0;
+        while time_s < seconds {
+            let mut measured = arm.measure(time_s);
+            measured.targets = targets(time_s);
+            let tool = self.tool(&arm.q);
+            run.tool.push((time_s, tool.translation.vector, orientation_error(&tool.rotation, &upright).norm()));
+            let command = stepper.step(&mut memory, &measured).unwrap().resolution.joint_velocity.as_slice().to_vec();
+            for ((u, before), joint) in command.iter().zip(&last).zip(self.robot.joints()) {
+                let shares = [u / joint.limits.velocity, (u - before) / PERIOD / joint.limits.acceleration];
+                run.shares = [0, 1].map(|i| run.shares[i].max(shares[i].abs()));
+            }
+            arm.follow(&command, PERIOD);
+            last = command;
+            time_s += PERIOD;
+        }
+        run.end.clone_from(&arm.q);
+        run
+    }
+
+    /// Returns the time of the slowest joint from the start to a posture (n) by its own trapezoid of V and A, s.
+    fn trapezoid(&self, end: &[f64]) -> f64 {
+        let time = |((a, b), joint): ((&f64, &f64), &revprio_robot::Joint)| {
+            let (d, v, a) = ((b - a).abs(), joint.limits.velocity, joint.limits.acceleration);
+            if d > v * v / a { d / v + v / a } else { 2.0 * (d / a).sqrt() }
+        };
+        self.start.iter().zip(end).zip(self.robot.joints()).map(time).fold(0.0, f64::max)
+    }
+}
+
+/// Ways of the steps, m.
+const STEPS: [[f64; 3]; 5] = [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, -0.2], [-0.1, 0.3, 0.1], [-0.1, 0.57, 0.1]];
+
+/// What a step shows.
+#[derive(Debug)]
+struct Step {
+    /// Time until the tool stays within [`ARRIVED`], s, without the lag and the dead time of the drive.
+    arrived: f64,
+    /// The same over the trapezoid of V and A, joint by joint, to the final posture.
+    ratio: f64,
+    /// How far the tool passes its target, m.
+    overshoot: f64,
+    /// Largest distance from the straight line, m.
+    off_line: f64,
+    shares: [f64; 2],
+}
+
+fn step(arm: &Arm, way: [f64; 3], law: revprio_core::law::Law) -> Step {
+    let start = arm.tool(&arm.start);
+    let way = Vector3::from(way);
+    let mut target = start;
+    target.translation.vector += way;
+    let rows = TaskRows::Tool(ToolRows { target_pose: TargetPose::Fixed(target), ..tool_rows(&AXES) });
+    let run = arm.run(TaskConfig { rows, ..task(&AXES, law) }, 3.5, |_| Vec::new());
+    let direction = way.normalize();
+    let left = |x: &Vector3<f64>| target.translation.vector - x;
+    let late = run.tool.iter().filter(|(_, x, _)| left(x).norm() > ARRIVED).map(|(time, ..)| *time);
+    let arrived = late.fold(0.0, f64::max) + PERIOD - DRIVE.time_to_rest(PERIOD);
+    let overshoot = run.tool.iter().map(|(_, x, _)| -left(x).dot(&direction)).fold(0.0, f64::max);
+    let off = |x: &Vector3<f64>| (left(x) - direction * left(x).dot(&direction)).norm();
+    let off_line = run.tool.iter().map(|(_, x, _)| off(x)).fold(0.0, f64::max);
+    Step { arrived, ratio: arrived / arm.trapezoid(&run.end), overshoot, off_line, shares: run.shares }
+}
+
+/// A figure of the tool: 0.12, 0.18 and 0.12 m with the frequencies ω, 2ω and 3ω.
+struct Figure {
+    omega: f64,
+    phase: [f64; 3],
+}
+
+impl Figure {
+    /// Returns a figure with random phases; `speed`: about the largest one, m/s.
+    fn new(speed: f64, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let omega = speed / (0.8 * Vector3::new(0.12, 0.36, 0.36).norm());
+        Self { omega, phase: [(); 3].map(|()| TAU * random.unit()) }
+    }
+
+    /// Returns the displacement from the start at a time, m.
+    fn at(&self, time_s: f64) -> Vector3<f64> {
+        let r = (time_s / BLEND).clamp(0.0, 1.0);
+        let blend = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r);
+        let entry = |i: usize, size: f64| blend * size * ((i + 1) as f64 * self.omega * time_s + self.phase[i]).sin();
+        Vector3::new(entry(0, 0.12), entry(1, 0.18), entry(2, 0.12))
+    }
+
+    fn profile(&self) -> Profile {
+        let point = |i: u32| {
+            let time_s = 0.016 * f64::from(i);
+            let x = self.at(time_s);
+            Point { time_s, value: vec![x.x, x.y, x.z, 0.0, 0.0, 0.0] }
+        };
+        Profile::waypoints(&(0..700).map(point).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Returns the largest speed after the blend, m/s.
+    fn largest_speed(&self) -> f64 {
+        let speed = |i: u32| {
+            let time = BLEND + 0.01 * f64::from(i);
+            ((self.at(time + 1e-4) - self.at(time)) / 1e-4).norm()
+        };
+        (0..600).map(speed).fold(0.0, f64::max)
+    }
+}
+
+/// What a figure shows after its blend.
+#[derive(Debug)]
+struct Followed {
+    /// RMS and largest distance from the target, m.
+    rms: f64,
+    largest: f64,
+    /// Largest tilt, rad.
+    tilt: f64,
+    shares: [f64; 2],
+}
+
+fn follow(arm: &Arm, figure: &Figure, source: Source, law: revprio_core::law::Law) -> Followed {
+    let start = arm.tool(&arm.start);
+    let displacement = (source == Source::Profile).then(|| figure.profile());
+    let rows = TaskRows::Tool(ToolRows { target_displacement: displacement, ..tool_rows(&AXES) });
+    let streaming = Streaming { smoothing_s: 0.0, ..Streaming::default() };
+    let task = TaskConfig { rows, streaming, ..task(&AXES, law) };
+    let at = |time_s: f64| start.translation.vector + figure.at(time_s);
+    let targets = |time_s: f64| match source {
+        Source::Profile => Vec::new(),
+        Source::Streamed => {
+            let orientation = Some(UnitQuaternion::from_rotation_matrix(&start.rotation));
+            let value = StreamedValue::Pose { position: Some(at(time_s)), orientation };
+            vec![StreamedTarget { task: 0, time_s, value, velocity: None }]
+        }
+    };
+    let run = arm.run(task, FIGURE, targets);
+    let late =
+        || run.tool.iter().filter(|(time, ..)| *time > BLEND).map(|(time, x, tilt)| ((x - at(*time)).norm(), *tilt));
+    let count = late().count() as f64;
+    Followed {
+        rms: (late().map(|(error, _)| error * error).sum::<f64>() / count).sqrt(),
+        largest: late().map(|(error, _)| error).fold(0.0, f64::max),
+        tilt: late().map(|(_, tilt)| tilt).fold(0.0, f64::max),
+        shares: run.shares,
+    }
+}
+
+/// Prints steps and figures of a law.
+fn print(name: &str, law: impl Fn() -> revprio_core::law::Law) {
+    for arm in &Arm::all() {
+        let robot = arm.robot.name();
+        for way in STEPS {
+            let Step { arrived, ratio, overshoot, off_line, shares } = step(arm, way, law());
+            println!(
+                "{name} {robot} step {:.2} m: {arrived:.3} s, {ratio:.2} x trapezoid, overshoot {:.1} mm, off the line {:.0} mm, V {:.2} A {:.2}",
+                Vector3::from(way).norm(),
+                1e3 * overshoot,
+                1e3 * off_line,
+                shares[0],
+                shares[1]
+            );
+        }
+        for speed in [0.3, 0.5, 0.8] {
+            for seed in 0..3 {
+                let figure = Figure::new(speed, seed);
+                for source in [Source::Profile, Source::Streamed] {
+                    let Followed { rms, largest, tilt, shares } = follow(arm, &figure, source, law());
+                    println!(
+                        "{name} {robot} figure {:.2} m/s seed {seed} {source:?}: RMS {:.1} mm, largest {:.1} mm, tilt {tilt:.3} rad, V {:.2} A {:.2}",
+                        figure.largest_speed(),
+                        1e3 * rms,
+                        1e3 * largest,
+                        shares[0],
+                        shares[1]
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Prints the table of docs/fast.md.
+#[test]
+#[ignore = "asserts nothing; prints the table of docs/fast.md"]
+fn fast_targets_table() {
+    for gain in [5.0, 10.0] {
+        print(&format!("gain {gain}"), || position(6, gain));
+    }
+}
