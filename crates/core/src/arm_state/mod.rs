@@ -63,11 +63,13 @@ pub(crate) struct Needs {
     pub acceleration: bool,
 }
 
-/// The arm at one of its postures.
+/// The arm at a posture and a time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArmAt<'a> {
     pub arm: &'a ArmState,
     pub configuration: &'a Configuration,
+    /// Time at which the targets are read, s.
+    pub time_s: f64,
 }
 
 impl ArmState {
@@ -133,12 +135,17 @@ impl ArmState {
 
     /// Returns the arm at the measured posture q.
     pub fn measured(&self) -> ArmAt<'_> {
-        ArmAt { arm: self, configuration: &self.measured }
+        ArmAt { arm: self, configuration: &self.measured, time_s: self.time_s }
     }
 
     /// Returns the arm at the posture of rest p.
     pub fn at_rest(&self) -> ArmAt<'_> {
-        ArmAt { arm: self, configuration: self.rest.as_ref().unwrap_or(&self.measured) }
+        ArmAt { arm: self, configuration: self.rest.as_ref().unwrap_or(&self.measured), time_s: self.time_s }
+    }
+
+    /// Returns the arm at a posture that it may have when it comes to rest `after` seconds from now.
+    pub fn later<'a>(&'a self, configuration: &'a Configuration, after: f64) -> ArmAt<'a> {
+        ArmAt { arm: self, configuration, time_s: self.time_s + self.time_to_rest + after }
     }
 
     /// Returns where the next command moves the arm; `None` unless a constraint needs it.

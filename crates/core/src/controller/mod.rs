@@ -52,7 +52,7 @@ pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
 pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use state::{
     AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress,
-    RestState, Stall, StalledJoint, StepError, StuckTask, TaskGain, TaskTarget,
+    RestState, Stall, StalledJoint, StepError, StuckTask, TIMES_AHEAD, TaskGain, TaskTarget, VirtualArm,
 };
 pub use stepper::Stepper;
 pub use transition::TransitionError;

@@ -1,5 +1,6 @@
 //! The position law: `pose` on rows of the tool, `posture` on joints.
 
+use super::motion_path::MotionPath;
 use super::task_state::TaskState;
 use super::task_vector::TaskVector;
 use crate::linalg::Vector;
@@ -44,6 +45,7 @@ use crate::linalg::Vector;
 pub struct PositionLaw {
     gain: Vector,
     braking: Braking,
+    path: Option<MotionPath>,
 }
 
 /// How a position law slows down before its target.
@@ -109,7 +111,7 @@ impl PositionLaw {
                 return Err(PositionLawError::Acceleration { row, value });
             }
         }
-        Ok(Self { gain: Vector::from_vec(gain), braking })
+        Ok(Self { gain: Vector::from_vec(gain), braking, path: None })
     }
 
     /// Returns m, the number of rows.
@@ -125,6 +127,17 @@ impl PositionLaw {
     /// Returns how the law slows down before its target.
     pub fn braking(&self) -> &Braking {
         &self.braking
+    }
+
+    /// Returns the law that looks ahead and moves along a path.
+    #[must_use]
+    pub fn along(self, path: MotionPath) -> Self {
+        Self { path: Some(path), ..self }
+    }
+
+    /// Returns the path on which the law looks ahead; `None`: it does not.
+    pub fn path(&self) -> Option<MotionPath> {
+        self.path
     }
 
     /// Returns v = −K ΔX, the feedback before braking, m/s and rad/s.

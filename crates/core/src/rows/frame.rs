@@ -58,17 +58,17 @@ impl ToolRows {
 
     /// Returns the state for the law; `velocity`: Ẋ, m.
     pub(super) fn state(&self, velocity: TaskVector, at: ArmAt, streamed: Option<&ActiveStream>) -> TaskState {
-        let ArmAt { arm, configuration } = at;
+        let ArmAt { arm, configuration, time_s } = at;
         let placed = self.frame.at(configuration);
         let rows = |[linear, angular]: [Vector3<f64>; 2]| self.select(&placed.components(linear, angular));
-        let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm));
+        let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm, time_s));
         let actual = self.frame.pose(configuration.tool_pose());
         let displacement = [
             actual.translation.vector - target.pose.translation.vector,
             orientation_error(&actual.rotation, &target.pose.rotation),
         ];
         TaskState {
-            time_s: arm.time_s,
+            time_s,
             velocity,
             displacement: rows(displacement),
             target_velocity: rows(target.velocity),
@@ -85,7 +85,7 @@ impl ToolRows {
 
     /// Returns the own target, from which streamed targets start.
     pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
-        let MovingPose { pose, velocity: [linear, angular], .. } = self.target(arm);
+        let MovingPose { pose, velocity: [linear, angular], .. } = self.target(arm, arm.time_s);
         let velocity = TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);
         Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
     }
@@ -139,8 +139,8 @@ impl ToolRows {
         [axes * Vector3::new(x, y, z), axes * Vector3::new(rx, ry, rz)]
     }
 
-    /// Returns X_d with its derivatives.
-    fn target(&self, arm: &ArmState) -> MovingPose {
+    /// Returns X_d with its derivatives at a time.
+    fn target(&self, arm: &ArmState, time_s: f64) -> MovingPose {
         let pose = match (self.target_pose, self.frame.frame) {
             (TargetPose::Initial, _) => self.frame.pose(&arm.initial_pose),
             (TargetPose::Fixed(pose), Frame::Fixed(frame)) => frame * pose,
@@ -148,7 +148,7 @@ impl ToolRows {
         };
         let Some(displacement) = &self.target_displacement else { return MovingPose::resting(pose) };
         let axes = self.rotation(&pose.rotation);
-        MovingPose::displaced(&pose, &displacement.at(arm.time_s), |entries| self.vectors(entries, &axes))
+        MovingPose::displaced(&pose, &displacement.at(time_s), |entries| self.vectors(entries, &axes))
     }
 }
 

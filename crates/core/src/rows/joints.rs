@@ -105,7 +105,7 @@ impl JointRows {
 
     /// Returns the state for the law; `velocity`: q̇ of the joints of this task, m.
     pub(super) fn state(&self, velocity: TaskVector, at: ArmAt, streamed: Option<&ActiveStream>) -> TaskState {
-        let ArmAt { arm, configuration } = at;
+        let ArmAt { arm, configuration, time_s } = at;
         let position = configuration.joint_position();
         let zero = TaskVector::zeros(velocity.len());
         let streamed = streamed.and_then(|active| match &active.stream.reference.value {
@@ -117,7 +117,7 @@ impl JointRows {
                 [&self.select(position) - value, active.velocity.clone(), active.acceleration.clone()]
             }
             (JointTarget::Position(profile), None) => {
-                let SetPoint { value, rate, acceleration } = profile.at(arm.time_s);
+                let SetPoint { value, rate, acceleration } = profile.at(time_s);
                 let [value, rate, acceleration] =
                     [value, rate, acceleration].map(|entries| TaskVector::from_slice(&entries));
                 [&self.select(position) - &value, rate, acceleration]
@@ -129,7 +129,6 @@ impl JointRows {
                 [self.select(&gradient), zero.clone(), zero.clone()]
             }
         };
-        let time_s = arm.time_s;
         TaskState { time_s, velocity, displacement, target_velocity, target_acceleration, force: zero, streamed: None }
     }
 }

@@ -123,7 +123,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.state(velocity, at, position),
             Self::Joints(rows) => rows.state(velocity, at, position),
-            Self::Raw(_) => RawRows::state(velocity, at.arm.time_s),
+            Self::Raw(_) => RawRows::state(velocity, at.time_s),
         }
     }
 

@@ -37,6 +37,13 @@ pub(crate) struct TaskStreams<'a> {
     pub rows: Option<&'a ActiveStream>,
 }
 
+/// Time constant with which the acceleration of a target decays, s.
+const DECAY: f64 = 0.2;
+
+/// Time constant with which the velocity of a target fades after the time of the arm, s. A velocity that stayed would lead the virtual arm
+/// out of its reach.
+const FADE: f64 = 0.2;
+
 impl ActiveStream {
     pub fn new(stream: TargetStream) -> Self {
         let acceleration = TaskVector::zeros(stream.reference.velocity.len());
@@ -46,6 +53,17 @@ impl ActiveStream {
     /// Returns what orders the streams: task and quantity.
     pub fn key(&self) -> (usize, Quantity) {
         (self.stream.task, self.stream.quantity)
+    }
+
+    /// Returns the stream with its target as it will be at rest time `to_rest`, s, and `after` seconds later: with its own motion.
+    pub fn predicted(&self, to_rest: f64, after: f64) -> Self {
+        let acting = DECAY * (DECAY * (-to_rest / DECAY).exp_m1() + to_rest);
+        let gained = -DECAY * (-to_rest / DECAY).exp_m1();
+        let fading = -FADE * (-after / FADE).exp_m1();
+        let moved = &(&self.velocity * (to_rest + fading)) + &(&self.acceleration * (acting + gained * fading));
+        let mut predicted = self.clone();
+        predicted.stream.reference.value = predicted.stream.reference.value.plus(&moved);
+        predicted
     }
 
     fn report(&self, time_s: f64) -> TargetReport {

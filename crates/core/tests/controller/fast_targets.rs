@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
 use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig};
-use revprio_core::law::{Point, Profile};
+use revprio_core::law::{Law, MotionPath, Point, PositionLaw, Profile};
 use revprio_core::limits::Drive;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
@@ -124,7 +124,7 @@ struct Step {
     shares: [f64; 2],
 }
 
-fn step(arm: &Arm, way: [f64; 3], law: revprio_core::law::Law) -> Step {
+fn step(arm: &Arm, way: [f64; 3], law: Law) -> Step {
     let start = arm.tool(&arm.start);
     let way = Vector3::from(way);
     let mut target = start;
@@ -193,7 +193,7 @@ struct Followed {
     shares: [f64; 2],
 }
 
-fn follow(arm: &Arm, figure: &Figure, source: Source, law: revprio_core::law::Law) -> Followed {
+fn follow(arm: &Arm, figure: &Figure, source: Source, law: Law) -> Followed {
     let start = arm.tool(&arm.start);
     let displacement = (source == Source::Profile).then(|| figure.profile());
     let rows = TaskRows::Tool(ToolRows { target_displacement: displacement, ..tool_rows(&AXES) });
@@ -220,8 +220,12 @@ fn follow(arm: &Arm, figure: &Figure, source: Source, law: revprio_core::law::La
     }
 }
 
+fn looking_ahead(path: MotionPath) -> Law {
+    Law::Position(PositionLaw::new(vec![10.0; 6]).unwrap().along(path))
+}
+
 /// Prints steps and figures of a law.
-fn print(name: &str, law: impl Fn() -> revprio_core::law::Law) {
+fn print(name: &str, law: impl Fn() -> Law) {
     for arm in &Arm::all() {
         let robot = arm.robot.name();
         for way in STEPS {
@@ -258,7 +262,6 @@ fn print(name: &str, law: impl Fn() -> revprio_core::law::Law) {
 #[test]
 #[ignore = "asserts nothing; prints the table of docs/fast.md"]
 fn fast_targets_table() {
-    for gain in [5.0, 10.0] {
-        print(&format!("gain {gain}"), || position(6, gain));
-    }
+    print("today", || position(6, 10.0));
+    print("joint", || looking_ahead(MotionPath::Joint));
 }

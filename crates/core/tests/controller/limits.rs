@@ -99,6 +99,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         progress: Vec::new(),
         stalls: Vec::new(),
         rest: None,
+        virtual_arm: None,
         in_transition: false,
         target_streams: Vec::new(),
     }

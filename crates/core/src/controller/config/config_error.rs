@@ -33,6 +33,14 @@ pub enum ConfigError {
         /// What is wrong with it.
         source: TaskConfigError,
     },
+    /// Some tasks look ahead and others do not, or along another path.
+    #[error(
+        "a controller looks ahead with all its tasks or with none; give each task the law `pose` or `posture` with the same `path`"
+    )]
+    Path {
+        /// Index of the first task that differs, from 0.
+        task: usize,
+    },
     /// A constraint has the wrong number of coefficients, or names a joint that the robot does not have.
     #[error("inequality `{name}` does not fit a robot of {expected} joints")]
     Constraint {

@@ -130,6 +130,9 @@ impl ControllerConfig {
             }
             let misfit = |source| ConfigError::Task { task: index, source };
             task.check(&self.robot, self.period_s).map_err(misfit)?;
+            if task.law.bounds().is_none() && task.path() != self.path() {
+                return Err(ConfigError::Path { task: index });
+            }
         }
         match &self.null_space {
             Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),

@@ -8,7 +8,7 @@ use super::task::TaskConfig;
 use super::velocity_limits::Limits;
 use crate::arm_state::{ArmState, JointCapability, Needs};
 use crate::constraint::Constraint;
-use crate::law::Law;
+use crate::law::{Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
@@ -66,9 +66,14 @@ impl ControllerConfig {
         self.tasks.iter().all(rests)
     }
 
+    /// Returns the path of the laws that look ahead, which is that of all position laws; `None`: none looks ahead.
+    pub(in crate::controller) fn path(&self) -> Option<MotionPath> {
+        self.tasks.iter().find_map(|task| task.path())
+    }
+
     /// Returns whether the null-space velocity may differ from zero.
     pub(in crate::controller) fn moves_null_space(&self) -> bool {
-        self.null_space.is_some() || (0..self.tasks.len()).any(|k| self.may_leave(k))
+        self.null_space.is_some() || self.path().is_some() || (0..self.tasks.len()).any(|k| self.may_leave(k))
     }
 
     /// Returns whether the arm may leave postures in which task `k` is stuck: the tasks follow positions or velocities,

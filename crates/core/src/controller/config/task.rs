@@ -2,7 +2,7 @@
 
 use revprio_robot::RobotModel;
 
-use crate::law::Law;
+use crate::law::{Law, MotionPath};
 use crate::rows::{RowKind, RowsError, TaskRows};
 use crate::streaming::{Bound, Quantity, Streaming, StreamingError};
 
@@ -55,6 +55,12 @@ impl TaskConfig {
             return Err(TaskConfigError::Scaled);
         }
         self.check_gain(robot, period)
+    }
+
+    /// Returns the path of a position law that looks ahead.
+    pub(in crate::controller) fn path(&self) -> Option<MotionPath> {
+        let Law::Position(law) = &self.law else { return None };
+        law.path()
     }
 
     /// Returns whether streamed targets of this task can be of a quantity.

@@ -2,16 +2,18 @@
 
 mod braking;
 mod gains;
+mod look_ahead;
 mod null_space;
 mod streams;
 
 pub use self::braking::BRAKING_SHARE;
 use self::braking::RequestBounds;
 pub(super) use self::gains::Gains;
+use self::look_ahead::LookAhead;
 use crate::arm_state::ArmState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
-use crate::controller::state::{Memory, TaskTarget};
+use crate::controller::state::{Memory, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
 use crate::linalg::{Matrix, Vector};
 use crate::resolution::Problem;
@@ -38,6 +40,8 @@ pub(super) struct Requests<'a> {
     pub gains: &'a Gains,
     /// s, the share of all requests that remains.
     pub share: f64,
+    /// The virtual arm; `None`: no law looks ahead.
+    pub virtual_arm: Option<&'a VirtualArm>,
 }
 
 /// The memory of this step.
@@ -48,6 +52,7 @@ pub(super) struct Aiming {
     streams: Vec<ActiveStream>,
     bounds: RequestBounds,
     gains: Gains,
+    look_ahead: Option<LookAhead>,
 }
 
 impl Aiming {
@@ -68,6 +73,7 @@ impl Aiming {
             streams: Vec::new(),
             bounds: RequestBounds::new(config),
             gains: Gains::default(),
+            look_ahead: LookAhead::new(config),
         })
     }
 
@@ -93,7 +99,7 @@ pub(super) fn aim<'a>(
     arm: &ArmState,
     previous: &Memory,
     given: &[StreamedTarget],
-    Aiming { problem, targets, streams, bounds, gains }: &'a mut Aiming,
+    Aiming { problem, targets, streams, bounds, gains, look_ahead }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, .. } = &mut *problem;
     streams::update(streams, previous, given, arm, config);
@@ -112,6 +118,9 @@ pub(super) fn aim<'a>(
         Some(velocity) => null_space::write(velocity, targets, bounds, (config, arm, previous), tasks),
         None => {}
     }
+    if let (Some(look_ahead), Some(velocity)) = (&mut *look_ahead, null_space_velocity.as_mut()) {
+        follow_ahead(look_ahead, (targets, velocity), (config, arm, previous), (tasks, streams));
+    }
     let share = fade(config, arm, previous, gains, (targets, null_space_velocity.as_mut()));
     tasks.overwrite(|k, _, lower, upper| {
         let velocity = &targets[k].velocity;
@@ -120,7 +129,8 @@ pub(super) fn aim<'a>(
         lower.copy_from_slice(&config.weighed(k, least.as_slice()));
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
-    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share } })
+    let virtual_arm = look_ahead.as_ref().map(LookAhead::virtual_arm);
+    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share, virtual_arm } })
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.
@@ -154,6 +164,29 @@ fn evaluate_law(
     target.force.clear();
     target.force.extend(force);
     target.streamed = streams.report(arm.time_s);
+}
+
+/// Overwrites the requests by those of joints that follow the virtual arm, u: J_k u for each task, and u in their null space.
+///
+/// The requests stay those of the laws if the virtual arm jumps, if the arm leaves a posture, or if targets fail to come.
+fn follow_ahead(
+    look_ahead: &mut LookAhead,
+    (targets, null_space_velocity): (&mut [TaskTarget], &mut Vector),
+    (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
+    (tasks, streams): (&TaskStack, &[ActiveStream]),
+) {
+    let Some(velocity) = look_ahead.update(config, arm, previous, streams) else { return };
+    let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
+    if leaves || streams::have_dropped_out(streams) {
+        return;
+    }
+    for (k, (target, task)) in targets.iter_mut().zip(tasks.tasks()).enumerate() {
+        if task.is_equation() {
+            target.velocity.gemv(1.0, &task.jacobian, velocity, 0.0);
+            target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
+        }
+    }
+    null_space_velocity.copy_from(velocity);
 }
 
 /// Scales all requests by s of [`RestState`](crate::controller::state::RestState); returns s. A motion that leaves a posture is not

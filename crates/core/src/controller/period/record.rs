@@ -34,7 +34,7 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams, gains, share }, allowed): (&ArmState, Requests, &Allowed),
+    (arm, Requests { targets, streams, gains, share, virtual_arm }, allowed): (&ArmState, Requests, &Allowed),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
@@ -51,6 +51,9 @@ pub(super) fn record<'a>(
     if let Some(kind) = config.kept_limits() {
         let velocity = command.resolution.joint_velocity.as_slice();
         command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
+    }
+    if let Some(ahead) = virtual_arm {
+        memory.virtual_arm.get_or_insert_default().copy_from(ahead);
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);

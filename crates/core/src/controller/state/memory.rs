@@ -7,6 +7,7 @@ use super::jerk_state::JerkState;
 use super::progress::Progress;
 use super::rest::RestState;
 use super::stall::Stall;
+use super::virtual_arm::VirtualArm;
 use crate::arm_state::ArmAt;
 use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::limits::DriveState;
@@ -42,6 +43,8 @@ pub struct Memory {
     pub stalls: Vec<Stall>,
     /// How the joints turn and what the tasks gained by it; `None`: the next step starts anew.
     pub rest: Option<RestState>,
+    /// The virtual arm; `None`: no law looks ahead, or the next step starts from the arm.
+    pub virtual_arm: Option<VirtualArm>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
 }
@@ -65,6 +68,9 @@ pub enum MemoryError {
         "the memory's state of rest does not fit the controller; send back the memory of this controller's last answer"
     )]
     Rest,
+    /// The virtual arm does not fit the robot.
+    #[error("the memory's virtual arm does not fit the robot; send back the memory of this controller's last answer")]
+    VirtualArm,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -107,6 +113,7 @@ impl Memory {
             progress: Vec::new(),
             stalls: Vec::new(),
             rest: None,
+            virtual_arm: None,
             in_transition: false,
         }
     }
@@ -147,6 +154,9 @@ impl Memory {
         }
         if !self.rest.as_ref().is_none_or(|rest| rest.is_valid(n, config.tasks.len())) {
             return Err(MemoryError::Rest);
+        }
+        if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n)) {
+            return Err(MemoryError::VirtualArm);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {

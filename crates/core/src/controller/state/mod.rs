@@ -11,6 +11,7 @@ mod stall;
 mod step_error;
 mod stuck_task;
 mod task_target;
+mod virtual_arm;
 
 pub use answered_state::AnsweredState;
 pub use command::Command;
@@ -25,3 +26,4 @@ pub use stall::{Stall, StalledJoint};
 pub use step_error::StepError;
 pub use stuck_task::{Obstacle, StuckTask};
 pub use task_target::TaskTarget;
+pub use virtual_arm::{TIMES_AHEAD, VirtualArm};

@@ -7,7 +7,7 @@ use super::braking::RequestBounds;
 use crate::arm_state::ArmState;
 use crate::controller::config::{ControllerConfig, HOLDING_SPEED, NullSpaceMotion};
 use crate::controller::state::{Memory, Progress, TaskTarget};
-use crate::linalg::{DampingFactor as _, Vector};
+use crate::linalg::{DampingFactor as _, Vector, dot};
 use crate::task::TaskStack;
 
 /// K of the motion that leaves a posture, 1/s, as of the motion that holds one.
@@ -73,6 +73,12 @@ fn limit_holding(velocity: &mut Vector) {
     if norm > HOLDING_SPEED {
         *velocity *= HOLDING_SPEED / norm;
     }
+}
+
+/// Returns the factor that limits a motion (n) in a period (T, s) to [`HOLDING_SPEED`].
+pub(super) fn holding_factor(motion: &[f64], period: f64) -> f64 {
+    let norm = dot(motion, motion).sqrt();
+    if norm > HOLDING_SPEED * period { HOLDING_SPEED * period / norm } else { 1.0 }
 }
 
 /// Overwrites `velocity` with the motion towards the middle of the joints' ranges that leaves a posture, n, rad/s or m/s.

@@ -1,0 +1,37 @@
+//! What a controller that looks ahead remembers of the virtual arm.
+
+/// The times ahead at which the virtual arm is known, s. Further targets change nothing that the joints can do now, and the
+/// intervals grow because plans far ahead need not be exact.
+pub const TIMES_AHEAD: [f64; 9] = [0.0, 0.016, 0.04, 0.08, 0.14, 0.22, 0.34, 0.5, 0.7];
+
+/// The virtual arm: postures at which the tasks have reached their targets.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VirtualArm {
+    /// q*(s), n, rad or m, for each of [`TIMES_AHEAD`], counted from the time at which the arm comes to rest.
+    pub postures: Vec<Vec<f64>>,
+}
+
+impl VirtualArm {
+    /// Returns an arm in a posture (n) at all times.
+    pub(in crate::controller) fn at(posture: &[f64]) -> Self {
+        Self { postures: vec![posture.to_vec(); TIMES_AHEAD.len()] }
+    }
+
+    /// Returns whether the numbers are finite and fit n joints.
+    pub(in crate::controller) fn is_valid(&self, n: usize) -> bool {
+        let fits = |posture: &Vec<f64>| posture.len() == n && posture.iter().all(|entry| entry.is_finite());
+        self.postures.len() == TIMES_AHEAD.len() && self.postures.iter().all(fits)
+    }
+
+    /// Overwrites this arm without allocating.
+    pub(in crate::controller) fn copy_from(&mut self, other: &Self) {
+        self.postures.clone_from(&other.postures);
+    }
+
+    /// Puts the arm into a posture (n) at all times.
+    pub(in crate::controller) fn stand_at(&mut self, position: &[f64]) {
+        for posture in &mut self.postures {
+            posture.copy_from_slice(position);
+        }
+    }
+}
