@@ -239,7 +239,9 @@ fn print(name: &str, law: impl Fn() -> Law) {
                 shares[1]
             );
         }
-        for speed in [0.3, 0.5, 0.8] {
+        for speed in std::env::var("SPEEDS")
+            .map_or(vec![0.3, 0.5, 0.8, 1.3, 2.5], |text| text.split(',').map(|x| x.parse().unwrap()).collect())
+        {
             for seed in 0..3 {
                 let figure = Figure::new(speed, seed);
                 for source in [Source::Profile, Source::Streamed] {

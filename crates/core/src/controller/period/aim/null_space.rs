@@ -7,7 +7,7 @@ use super::braking::RequestBounds;
 use crate::arm_state::ArmState;
 use crate::controller::config::{ControllerConfig, HOLDING_SPEED, NullSpaceMotion};
 use crate::controller::state::{Memory, Progress, TaskTarget};
-use crate::linalg::{DampingFactor as _, Vector, dot};
+use crate::linalg::{DampingFactor as _, Vector};
 use crate::task::TaskStack;
 
 /// K of the motion that leaves a posture, 1/s, as of the motion that holds one.
@@ -75,9 +75,8 @@ fn limit_holding(velocity: &mut Vector) {
     }
 }
 
-/// Returns the factor that limits a motion (n) in a period (T, s) to [`HOLDING_SPEED`].
-pub(super) fn holding_factor(motion: &[f64], period: f64) -> f64 {
-    let norm = dot(motion, motion).sqrt();
+/// Returns the factor that limits a motion of this norm in a period (T, s) to [`HOLDING_SPEED`].
+pub(super) fn holding_factor(norm: f64, period: f64) -> f64 {
     if norm > HOLDING_SPEED * period { HOLDING_SPEED * period / norm } else { 1.0 }
 }
 

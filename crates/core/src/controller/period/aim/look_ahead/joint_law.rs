@@ -40,9 +40,9 @@ pub(super) struct Joint {
 
 impl Joint {
     /// Returns the velocity that follows a virtual joint; `ahead`: its positions at [`TIMES_AHEAD`]; `period`: T, s.
-    pub fn velocity(&self, ahead: &[f64; TIMES_AHEAD.len()], plan: &Plan, period: f64) -> f64 {
+    pub fn velocity(&self, ahead: &[f64; TIMES_AHEAD.len()], plan: &Plan, known: bool, period: f64) -> f64 {
         let Capability { speed, acceleration, .. } = self.can;
-        let needed = largest_acceleration(ahead);
+        let needed = if known { largest_acceleration(ahead) } else { acceleration_now(ahead).min(0.85 * acceleration) };
         let wanted = if needed < FOLLOWED * acceleration {
             let feedback = self.feedback(ahead[0] - self.position, acceleration - needed, period);
             velocity_now(ahead, 0.5 * period) + feedback
@@ -51,7 +51,7 @@ impl Joint {
             for (k, entry) in relative.iter_mut().enumerate() {
                 *entry = ahead[k + 1] - self.position - self.last_command * TIMES_AHEAD[k + 1];
             }
-            self.last_command + period * plan.first_acceleration(&relative, acceleration)
+            self.last_command + period * plan.first_acceleration(&relative, self.last_command, [acceleration, speed])
         };
         let change = acceleration * period;
         let reachable = wanted.clamp(self.last_command - change, self.last_command + change);
@@ -76,6 +76,13 @@ fn largest_acceleration(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
     let slope = |k: usize| (ahead[k + 1] - ahead[k]) / (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k]);
     let second = |k: usize| (slope(k) - slope(k - 1)) / (0.5 * (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k - 1]));
     (1..TIMES_AHEAD.len() - 1).map(|k| second(k).abs()).fold(0.0, f64::max)
+}
+
+/// Returns the acceleration of a virtual joint on the parabola through its first three positions.
+fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+    let [_, first, second, ..] = TIMES_AHEAD;
+    let slopes = [(ahead[1] - ahead[0]) / first, (ahead[2] - ahead[1]) / (second - first)];
+    (2.0 * (slopes[1] - slopes[0]) / second).abs()
 }
 
 /// Returns the velocity of a virtual joint at a time near 0 on the parabola through its first three positions.

@@ -73,7 +73,7 @@ impl LookAhead {
         let configuration = Configuration::new(robot, &zero).ok()?;
         Some(Self {
             arm: VirtualArm::at(&zero),
-            newton: Newton::new(&heights, n),
+            newton: Newton::new(&heights, scales(config)),
             jacobians: heights.iter().map(|&m| Matrix::zeros(m, n)).collect(),
             tasks,
             ranges: robot.joints().iter().map(range).collect(),
@@ -115,7 +115,7 @@ impl LookAhead {
         if self.has_jumped(arm, config.period_s) {
             return None;
         }
-        self.follow(arm, config.period_s);
+        self.follow(arm, streams.is_empty(), config.period_s);
         Some(&self.velocity)
     }
 
@@ -189,7 +189,7 @@ impl LookAhead {
             *null_space *= config.period_s;
         }
         let holds = matches!(motion, Some(NullSpaceMotion::InitialPosture { .. }));
-        let factor = |motion: &[f64], smallest: f64| {
+        let factor = |motion: f64, smallest: f64| {
             let keeps = config.near_singular().keeps(smallest);
             if holds { keeps * null_space::holding_factor(motion, config.period_s) } else { 1.0 }
         };
@@ -230,7 +230,7 @@ impl LookAhead {
     }
 
     /// Computes the velocities of the joints.
-    fn follow(&mut self, arm: &ArmState, period: f64) {
+    fn follow(&mut self, arm: &ArmState, known: bool, period: f64) {
         let Self { arm: ahead, plan, velocity, .. } = self;
         let can = &arm.capability;
         for (j, (velocity, position)) in
@@ -243,9 +243,19 @@ impl LookAhead {
                 first + (ahead.postures[k][j] - first).clamp(-can.speed * TIMES_AHEAD[k], can.speed * TIMES_AHEAD[k])
             };
             let joint = Joint { position: *position, last_command: arm.last_command[j], can };
-            *velocity = joint.velocity(&std::array::from_fn(reachable), plan, period);
+            *velocity = joint.velocity(&std::array::from_fn(reachable), plan, known, period);
         }
     }
+}
+
+/// Returns the scale of each joint, n: its acceleration limit relative to the largest one.
+fn scales(config: &ControllerConfig) -> Vec<f64> {
+    let accelerations = || config.robot.joints().iter().map(|joint| joint.limits.acceleration);
+    let largest = accelerations().fold(0.0, f64::max);
+    if std::env::var("NOSCALE").is_ok() {
+        return accelerations().map(|_| 1.0).collect();
+    }
+    accelerations().map(|a| if largest.is_finite() && a > 0.0 { a / largest } else { 1.0 }).collect()
 }
 
 /// Returns the displacement of a task from its target (m) at a posture and a time ahead, s.

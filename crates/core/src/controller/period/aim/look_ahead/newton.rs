@@ -30,12 +30,13 @@ const DEPENDENT: f64 = 1e-4;
 pub(super) struct NullSpaceStep<'a> {
     /// The motion before it is projected, n, rad or m.
     pub motion: &'a [f64],
-    /// Returns the factor of the projected motion (n); the second argument is the length of what is new in the row that depends most
+    /// Returns the factor of the projected motion from its norm; the second argument is the length of what is new in the row that depends most
     /// on those before it.
-    pub factor: &'a dyn Fn(&[f64], f64) -> f64,
+    pub factor: &'a dyn Fn(f64, f64) -> f64,
 }
 
-/// The storage of one step over n joints.
+/// The storage of one step over n joints, which count in units of their scales S: q = S y. Tasks so move fast joints more than slow
+/// ones.
 #[derive(Debug)]
 pub(super) struct Newton {
     n: usize,
@@ -55,14 +56,20 @@ pub(super) struct Newton {
     gram: Vec<f64>,
     /// What is left of e, then the solution.
     residual: Vec<f64>,
+    /// The step of the scaled joints, n.
     step: Vec<f64>,
+    /// The step of the joints, n, rad or m.
+    result: Vec<f64>,
     held: Vec<bool>,
+    /// S, the scale of each joint, n.
+    scales: Vec<f64>,
     scratch: Vec<f64>,
 }
 
 impl Newton {
     /// Allocates the storage for tasks of these numbers of rows over n joints.
-    pub fn new(heights: &[usize], n: usize) -> Self {
+    pub fn new(heights: &[usize], scales: Vec<f64>) -> Self {
+        let n = scales.len();
         let mut start = 0;
         let mut range = |height: &usize| {
             start += height;
@@ -82,6 +89,8 @@ impl Newton {
             gram: vec![0.0; most * most],
             residual: vec![0.0; total],
             step: vec![0.0; n],
+            result: vec![0.0; n],
+            scales,
             held: vec![false; n],
             scratch: vec![0.0; n],
         }
@@ -93,7 +102,7 @@ impl Newton {
         for (i, row) in range.enumerate() {
             self.error[row] = error(i);
             for (j, entry) in self.rows[row * self.n..(row + 1) * self.n].iter_mut().enumerate() {
-                *entry = jacobian[(i, j)];
+                *entry = jacobian[(i, j)] * self.scales[j];
             }
         }
     }
@@ -114,20 +123,23 @@ impl Newton {
                 break;
             }
         }
-        let largest = self.step.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
-        if largest > MAX_STEP {
-            self.step.iter_mut().for_each(|entry| *entry *= MAX_STEP / largest);
+        for (result, (entry, scale)) in self.result.iter_mut().zip(self.step.iter().zip(&self.scales)) {
+            *result = entry * scale;
         }
-        &self.step
+        let largest = self.result.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+        if largest > MAX_STEP {
+            self.result.iter_mut().for_each(|entry| *entry *= MAX_STEP / largest);
+        }
+        &self.result
     }
 
     /// Holds the joints that would leave their ranges at their ends; returns whether there are any.
     fn hold(&mut self, q: &[f64], ranges: &[[f64; 2]]) -> bool {
         let mut holds = false;
         for (j, [lower, upper]) in ranges.iter().enumerate() {
-            let end = q[j] + self.step[j];
+            let end = q[j] + self.step[j] * self.scales[j];
             if !self.held[j] && !(*lower..=*upper).contains(&end) {
-                self.step[j] = end.clamp(*lower, *upper) - q[j];
+                self.step[j] = (end.clamp(*lower, *upper) - q[j]) / self.scales[j];
                 (self.held[j], holds) = (true, true);
             }
         }
@@ -146,11 +158,14 @@ impl Newton {
             self.descend_task(self.tasks[task].clone(), damping);
         }
         if let Some(NullSpaceStep { motion, factor }) = null_space {
-            let Self { n, basis, rank, step, held, scratch, .. } = self;
-            scratch.copy_from_slice(motion);
+            let Self { n, basis, rank, step, held, scratch, scales, .. } = self;
+            for (entry, (motion, scale)) in scratch.iter_mut().zip(motion.iter().zip(&*scales)) {
+                *entry = motion / scale;
+            }
             zero_held(scratch, held);
             remove(basis, *rank, *n, scratch);
-            let factor = factor(scratch, self.smallest);
+            let square: f64 = scratch.iter().zip(&*scales).map(|(entry, scale)| (entry * scale).powi(2)).sum();
+            let factor = factor(square.sqrt(), self.smallest);
             step.iter_mut().zip(&*scratch).for_each(|(step, entry)| *step += factor * entry);
         }
     }
@@ -244,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_lower_task_gives_way_and_a_held_joint_does_not_move() {
-        let mut newton = Newton::new(&[1, 1], 2);
+        let mut newton = Newton::new(&[1, 1], vec![1.0, 2.0]);
         newton.set(0, &Matrix::from_row_slice(1, 2, &[1.0, 0.0]), |_| 0.01);
         newton.set(1, &Matrix::from_row_slice(1, 2, &[1.0, 1.0]), |_| 0.05);
         let free = [[-9.0, 9.0]; 2];
