@@ -7,7 +7,7 @@ use super::kind::RowKind;
 use crate::arm_state::{ArmAt, ArmState};
 use crate::law::{Profile, SetPoint, TaskState, TaskVector};
 use crate::linalg::Matrix;
-use crate::streaming::{ActiveStream, Reference, StreamedTarget, StreamedValue, TargetValue};
+use crate::streaming::{ActiveStream, Reference, TargetValue};
 
 /// Axes of the tool in a frame, and their target pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,25 +97,34 @@ impl ToolRows {
         Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
     }
 
-    /// Returns the pose and the velocity of a streamed target, base axes.
-    pub(super) fn streamed_target(&self, given: &StreamedTarget, at: ArmAt) -> (TargetValue, Option<TaskVector>) {
+    /// Returns the pose of a streamed target, base frame; a part that is not given is that of the arm.
+    pub(super) fn streamed_pose(
+        &self,
+        position: Option<Vector3<f64>>,
+        orientation: Option<UnitQuaternion<f64>>,
+        at: ArmAt,
+    ) -> TargetValue {
         let actual = self.frame.pose(at.configuration.tool_pose());
         let frame = match self.frame.frame {
             Frame::Base | Frame::Tool => Isometry3::identity(),
             Frame::Fixed(frame) => quaternion_pose(&frame),
         };
         let mut pose = quaternion_pose(&actual);
-        if let StreamedValue::Pose { position, orientation } = &given.value {
-            if let Some(position) = position {
-                pose.translation.vector = (frame * nalgebra::Point3::from(*position)).coords;
-            }
-            if let Some(orientation) = orientation {
-                pose.rotation = frame.rotation * orientation;
-            }
+        if let Some(position) = position {
+            pose.translation.vector = (frame * nalgebra::Point3::from(position)).coords;
         }
-        let rotation = pose.rotation.to_rotation_matrix();
-        let velocity = given.velocity.as_ref().map(|velocity| self.displacement(velocity, &rotation));
-        (TargetValue::Pose(pose), velocity)
+        if let Some(orientation) = orientation {
+            pose.rotation = frame.rotation * orientation;
+        }
+        TargetValue::Pose(pose)
+    }
+
+    /// Returns the velocity of a streamed target along the rows as a displacement per second, base axes.
+    pub(super) fn target_velocity(&self, velocity: &[f64], target: &TargetValue) -> TaskVector {
+        match target {
+            TargetValue::Pose(pose) => self.displacement(velocity, &pose.rotation.to_rotation_matrix()),
+            TargetValue::Rows(_) => TaskVector::from_slice(velocity),
+        }
     }
 
     /// Returns entries of the rows as a linear and an angular vector, base axes; `target`: the orientation whose axes the

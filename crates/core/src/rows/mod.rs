@@ -173,12 +173,23 @@ impl TaskRows {
 
     /// Returns value and velocity of a streamed target.
     pub(crate) fn target(&self, given: &StreamedTarget, at: ArmAt) -> (TargetValue, Option<TaskVector>) {
-        match (&given.value, self) {
-            (StreamedValue::Pose { .. }, Self::Tool(rows)) => rows.streamed_target(given, at),
-            (StreamedValue::Pose { .. }, _) => (TargetValue::Rows(TaskVector::zeros(self.len())), None),
+        let value = self.target_value(&given.value, at);
+        let velocity = given.velocity.as_ref().map(|velocity| match self {
+            Self::Tool(rows) => rows.target_velocity(velocity, &value),
+            Self::Joints(_) | Self::Raw(_) => TaskVector::from_slice(velocity),
+        });
+        (value, velocity)
+    }
+
+    /// Returns the value of a streamed target.
+    pub(crate) fn target_value(&self, given: &StreamedValue, at: ArmAt) -> TargetValue {
+        match (given, self) {
+            (StreamedValue::Pose { position, orientation }, Self::Tool(rows)) => {
+                rows.streamed_pose(*position, *orientation, at)
+            }
+            (StreamedValue::Pose { .. }, _) => TargetValue::Rows(TaskVector::zeros(self.len())),
             (StreamedValue::JointPosition(rows) | StreamedValue::Velocity(rows) | StreamedValue::Force(rows), _) => {
-                let velocity = given.velocity.as_ref().map(|velocity| TaskVector::from_slice(velocity));
-                (TargetValue::Rows(TaskVector::from_slice(rows)), velocity)
+                TargetValue::Rows(TaskVector::from_slice(rows))
             }
         }
     }

@@ -40,8 +40,10 @@ pub(crate) struct TaskStreams<'a> {
 /// Time constant with which the acceleration of a target decays, s.
 const DECAY: f64 = 0.2;
 
-/// Time constant with which the velocity of a target fades after the time of the arm, s. A velocity that stayed would lead the virtual arm
-/// out of its reach.
+/// Time for which a target is moved on at its velocity, s: longer than most drives take to come to rest.
+const ACTING: f64 = 0.1;
+
+/// Time constant with which the velocity fades then, s. A velocity that stayed would lead the virtual arm out of its reach.
 const FADE: f64 = 0.2;
 
 impl ActiveStream {
@@ -55,15 +57,24 @@ impl ActiveStream {
         (self.stream.task, self.stream.quantity)
     }
 
-    /// Returns the stream with its target as it will be at rest time `to_rest`, s, and `after` seconds later: with its own motion.
-    pub fn predicted(&self, to_rest: f64, after: f64) -> Self {
-        let acting = DECAY * (DECAY * (-to_rest / DECAY).exp_m1() + to_rest);
-        let gained = -DECAY * (-to_rest / DECAY).exp_m1();
-        let fading = -FADE * (-after / FADE).exp_m1();
-        let moved = &(&self.velocity * (to_rest + fading)) + &(&self.acceleration * (acting + gained * fading));
-        let mut predicted = self.clone();
-        predicted.stream.reference.value = predicted.stream.reference.value.plus(&moved);
-        predicted
+    /// Returns the stream with the target of a later time, s: the one that was given ahead, or else the target of `now` moved on.
+    pub fn at(&self, now: f64, time_s: f64) -> Self {
+        let mut later = self.clone();
+        later.stream.reference.value = self
+            .stream
+            .ahead_at(time_s)
+            .unwrap_or_else(|| self.stream.reference.value.plus(&self.motion(time_s - now)));
+        later
+    }
+
+    /// Returns how far the target moves on in some time, s: with an acceleration that decays, and from [`ACTING`] on with a velocity that
+    /// fades.
+    fn motion(&self, time: f64) -> TaskVector {
+        let acting = time.min(ACTING);
+        let (velocity, way) =
+            (-DECAY * (-acting / DECAY).exp_m1(), DECAY * (DECAY * (-acting / DECAY).exp_m1() + acting));
+        let fading = -FADE * ((acting - time) / FADE).exp_m1();
+        &(&self.velocity * (acting + fading)) + &(&self.acceleration * (way + velocity * fading))
     }
 
     fn report(&self, time_s: f64) -> TargetReport {

@@ -31,6 +31,8 @@ pub use active_stream::TargetReport;
 pub(crate) use active_stream::{ActiveStream, TaskStreams};
 pub use reference::{Bound, Reference};
 pub use settings::{MAX_STREAMING_TIME, Streaming, StreamingError};
-pub use stream::{Ignored, MAX_AHEAD, MIN_INTERVAL, Target, TargetState, TargetStream};
-pub use streamed_target::{StreamedTarget, StreamedValue, TargetError};
+pub use stream::{
+    Ignored, LaterTarget, MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, MIN_INTERVAL, Target, TargetState, TargetStream,
+};
+pub use streamed_target::{StreamedTarget, StreamedValue, TargetAhead, TargetError};
 pub use value::{Quantity, TargetValue};

@@ -10,6 +10,21 @@ pub const MAX_AHEAD: f64 = 1.0;
 /// Minimum time between two targets, s. The velocity between targets that are nearer means nothing.
 pub const MIN_INTERVAL: f64 = 1e-6;
 
+/// Maximum time of a target that is given ahead after the target with which it comes, s.
+pub const MAX_FORESIGHT: f64 = 2.0;
+
+/// Maximum number of targets that are given ahead with one target.
+pub const MAX_TARGETS_AHEAD: usize = 64;
+
+/// A target of a later time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaterTarget {
+    /// Time of the target on the clock of the states, s.
+    pub time_s: f64,
+    /// The value.
+    pub value: TargetValue,
+}
+
 /// One target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
@@ -48,8 +63,8 @@ pub enum Ignored {
     },
 }
 
-/// A stream of targets of one quantity of one task: the last two targets and the reference.
-#[derive(Debug, Clone, PartialEq)]
+/// A stream of targets of one quantity of one task: the last two targets, the reference, and what comes.
+#[derive(Debug, PartialEq)]
 pub struct TargetStream {
     /// Index of the task, from 0.
     pub task: usize,
@@ -59,6 +74,8 @@ pub struct TargetStream {
     pub newest: Option<Target>,
     /// The target before it.
     pub previous: Option<Target>,
+    /// Targets that were given ahead with the newest one, in the order of their times.
+    pub ahead: Vec<LaterTarget>,
     /// The target of the last period.
     pub reference: Reference,
     /// The state of the last period.
@@ -68,11 +85,16 @@ pub struct TargetStream {
 impl TargetStream {
     /// Starts a stream without targets at a reference.
     pub fn new(task: usize, quantity: Quantity, reference: Reference) -> Self {
-        Self { task, quantity, newest: None, previous: None, reference, state: TargetState::Holding }
+        Self { task, quantity, newest: None, previous: None, ahead: Vec::new(), reference, state: TargetState::Holding }
     }
 
     /// Adds a target unless it is not newer than the newest one.
-    pub(crate) fn accept(&mut self, mut target: Target, settings: &Streaming) -> Option<Ignored> {
+    pub(crate) fn accept(
+        &mut self,
+        mut target: Target,
+        ahead: Vec<LaterTarget>,
+        settings: &Streaming,
+    ) -> Option<Ignored> {
         if let Some(newest) = &self.newest
             && target.time_s - newest.time_s < MIN_INTERVAL
         {
@@ -89,6 +111,7 @@ impl TargetStream {
             target.velocity = self.previous.as_ref().map(|previous| estimated_velocity(previous, &target, settings));
         }
         self.newest = Some(target);
+        self.ahead = ahead;
         None
     }
 
@@ -96,12 +119,34 @@ impl TargetStream {
     pub(crate) fn forget_future(&mut self, time_s: f64) {
         if self.newest.as_ref().is_some_and(|newest| newest.time_s > time_s + MAX_AHEAD) {
             (self.newest, self.previous) = (None, None);
+            self.ahead.clear();
         }
     }
 
     /// Returns the time of the state minus the time of the newest target, s; `None` without a target.
     pub fn age(&self, time_s: f64) -> Option<f64> {
         self.newest.as_ref().map(|newest| time_s - newest.time_s)
+    }
+
+    /// Returns whether a target was given ahead for a time after this one, s.
+    pub(crate) fn is_known_after(&self, time_s: f64) -> bool {
+        self.ahead.last().is_some_and(|last| last.time_s > time_s)
+    }
+
+    /// Returns the target that was given ahead for a time, s: on a smooth curve through the targets, the last one if it is earlier;
+    /// `None` if there is none for this time.
+    pub(crate) fn ahead_at(&self, time_s: f64) -> Option<TargetValue> {
+        let newest = self.newest.as_ref()?;
+        let last = self.ahead.last()?;
+        let after = self.ahead.partition_point(|later| later.time_s <= time_s);
+        if after == self.ahead.len() {
+            return Some(last.value.clone());
+        }
+        // Knot 0 is the newest target.
+        let knot = |k: usize| {
+            k.checked_sub(1).map_or((newest.time_s, &newest.value), |k| (self.ahead[k].time_s, &self.ahead[k].value))
+        };
+        (time_s >= newest.time_s).then(|| interpolated(&knot, after, self.ahead.len(), time_s))
     }
 
     /// Moves the reference on to the next period of `period` s.
@@ -179,6 +224,50 @@ impl TargetStream {
         };
         let after = (newest.time_s - previous.time_s + age).max(earliest);
         previous.value.plus(&(&slope(previous, newest) * after))
+    }
+}
+
+/// Returns the value between the knots k and k + 1 of k = 0 … last: the cubic with the velocities of the parabolas through three knots,
+/// and the slope of the piece at the first and the last knot.
+fn interpolated<'a>(knot: &dyn Fn(usize) -> (f64, &'a TargetValue), k: usize, last: usize, time_s: f64) -> TargetValue {
+    let ((start, from), (end, to)) = (knot(k), knot(k + 1));
+    let duration = end - start;
+    let way = to.minus(from);
+    let slope_at = |k: usize| {
+        let ((t0, a), (t1, b), (t2, c)) = (knot(k - 1), knot(k), knot(k + 1));
+        let [before, after] = [&b.minus(a) * (1.0 / (t1 - t0)), &c.minus(b) * (1.0 / (t2 - t1))];
+        &(&before * ((t2 - t1) / (t2 - t0))) + &(&after * ((t1 - t0) / (t2 - t0)))
+    };
+    let rate = &way * (1.0 / duration);
+    let first = if k == 0 { rate.clone() } else { slope_at(k) };
+    let second = if k + 1 == last { rate } else { slope_at(k + 1) };
+    let x = (time_s - start) / duration;
+    // Hermite: value 0 and `way`, slopes `first` and `second`.
+    let (h, g0, g1) = (x * x * (3.0 - 2.0 * x), x * (1.0 - x) * (1.0 - x), x * x * (x - 1.0));
+    let moved = &(&way * h) + &(&(&first * (g0 * duration)) + &(&second * (g1 * duration)));
+    from.plus(&moved)
+}
+
+impl Clone for TargetStream {
+    fn clone(&self) -> Self {
+        Self {
+            task: self.task,
+            quantity: self.quantity,
+            newest: self.newest.clone(),
+            previous: self.previous.clone(),
+            ahead: self.ahead.clone(),
+            reference: self.reference.clone(),
+            state: self.state,
+        }
+    }
+
+    // Without allocating for the targets ahead.
+    fn clone_from(&mut self, source: &Self) {
+        (self.task, self.quantity, self.state) = (source.task, source.quantity, source.state);
+        self.newest.clone_from(&source.newest);
+        self.previous.clone_from(&source.previous);
+        self.ahead.clone_from(&source.ahead);
+        self.reference.clone_from(&source.reference);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::stream::MAX_AHEAD;
+use super::stream::{MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, MIN_INTERVAL};
 use super::value::Quantity;
 
 /// A target that arrives with a measurement.
@@ -17,6 +17,17 @@ pub struct StreamedTarget {
     /// Velocity of the value along the rows of the task, m entries, m/s and rad/s; `None`: estimated. In the tool
     /// frame: along the axes of the target.
     pub velocity: Option<Vec<f64>>,
+    /// Where the target will be later, in the order of time. Laws that look ahead use it.
+    pub ahead: Vec<TargetAhead>,
+}
+
+/// A target of a later time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TargetAhead {
+    /// Time after that of the target with which it comes, s.
+    pub after_s: f64,
+    /// The value, of the same quantity.
+    pub value: StreamedValue,
 }
 
 /// The value of a target.
@@ -61,6 +72,15 @@ pub enum TargetError {
         /// Time of the target minus time of the state, s.
         ahead_s: f64,
     },
+    /// Targets ahead are not of later and later times, too far ahead, too many, or of another quantity.
+    #[error(
+        "give at most {MAX_TARGETS_AHEAD} targets ahead, of the same quantity as the target, each later than the one before it, and \
+         at most {MAX_FORESIGHT} s after the target"
+    )]
+    Foresight {
+        /// Index of the first one that does not fit.
+        index: usize,
+    },
 }
 
 impl StreamedValue {
@@ -71,6 +91,15 @@ impl StreamedValue {
             Self::JointPosition(_) => Quantity::JointPosition,
             Self::Velocity(_) => Quantity::Velocity,
             Self::Force(_) => Quantity::Force,
+        }
+    }
+
+    fn check_rows(&self, expected: usize) -> Result<(), TargetError> {
+        match self {
+            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) if rows.len() != expected => {
+                Err(TargetError::Rows { expected, given: rows.len() })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -90,22 +119,35 @@ impl StreamedValue {
 impl StreamedTarget {
     /// Checks the sizes and numbers of a target for a task with `expected` rows, and its time against that of the state, s.
     pub(crate) fn check_values(&self, expected: usize, time_s: f64) -> Result<(), TargetError> {
-        let rows = match &self.value {
-            StreamedValue::Pose { .. } => None,
-            StreamedValue::JointPosition(rows) | StreamedValue::Velocity(rows) | StreamedValue::Force(rows) => {
-                Some(rows)
-            }
-        };
-        for given in rows.into_iter().chain(&self.velocity).map(Vec::len) {
-            if given != expected {
-                return Err(TargetError::Rows { expected, given });
-            }
+        self.value.check_rows(expected)?;
+        if let Some(velocity) = self.velocity.as_ref().filter(|velocity| velocity.len() != expected) {
+            return Err(TargetError::Rows { expected, given: velocity.len() });
         }
         let is_finite = |rows: &Vec<f64>| rows.iter().all(|entry| entry.is_finite());
         if !(self.time_s.is_finite() && self.value.is_finite() && self.velocity.as_ref().is_none_or(is_finite)) {
             return Err(TargetError::NotFinite);
         }
         let ahead_s = self.time_s - time_s;
-        if ahead_s > MAX_AHEAD { Err(TargetError::Ahead { ahead_s }) } else { Ok(()) }
+        if ahead_s > MAX_AHEAD {
+            return Err(TargetError::Ahead { ahead_s });
+        }
+        self.check_ahead(expected)
+    }
+
+    fn check_ahead(&self, expected: usize) -> Result<(), TargetError> {
+        let mut before = 0.0;
+        for (index, TargetAhead { after_s, value }) in self.ahead.iter().enumerate() {
+            value.check_rows(expected)?;
+            // False for NaN.
+            let in_order = *after_s >= before + MIN_INTERVAL && *after_s <= MAX_FORESIGHT && index < MAX_TARGETS_AHEAD;
+            if !(in_order && value.quantity() == self.value.quantity() && value.quantity().is_position()) {
+                return Err(TargetError::Foresight { index });
+            }
+            if !value.is_finite() {
+                return Err(TargetError::NotFinite);
+            }
+            before = *after_s;
+        }
+        Ok(())
     }
 }

@@ -23,8 +23,13 @@ fn assert_stream_allocates_nothing(
         let mut allocations = 0;
         for _ in 0..targets {
             let time_s = arm.measured.time_s;
-            arm.measured.targets =
-                vec![StreamedTarget { task: k, time_s, value: value.clone(), velocity: velocity.map(<[f64]>::to_vec) }];
+            arm.measured.targets = vec![StreamedTarget {
+                task: k,
+                time_s,
+                value: value.clone(),
+                velocity: velocity.map(<[f64]>::to_vec),
+                ahead: Vec::new(),
+            }];
             let arrived = arm.run(1, |command| command.targets[k].streamed.is_some());
             assert_eq!(arrived.seen, 1, "{value:?}");
             arm.measured.targets.clear();

@@ -8,7 +8,7 @@ use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig
 use revprio_core::law::{Law, MotionPath, Point, PositionLaw, Profile};
 use revprio_core::limits::Drive;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
-use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
+use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming, TargetAhead};
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 
@@ -55,6 +55,8 @@ enum Source {
     Profile,
     /// The target of now is sent in each period.
     Streamed,
+    /// The target of now is sent in each period, and where it will be in the next second.
+    Ahead,
 }
 
 impl Arm {
@@ -197,15 +199,20 @@ fn follow(arm: &Arm, figure: &Figure, source: Source, law: Law) -> Followed {
     let start = arm.tool(&arm.start);
     let displacement = (source == Source::Profile).then(|| figure.profile());
     let rows = TaskRows::Tool(ToolRows { target_displacement: displacement, ..tool_rows(&AXES) });
-    let streaming = Streaming { smoothing_s: 0.0, ..Streaming::default() };
+    let (max_velocity, max_acceleration) = (Some(vec![5.0; 6]), Some(vec![50.0; 6]));
+    let streaming = Streaming { smoothing_s: 0.0, max_velocity, max_acceleration, ..Streaming::default() };
     let task = TaskConfig { rows, streaming, ..task(&AXES, law) };
     let at = |time_s: f64| start.translation.vector + figure.at(time_s);
     let targets = |time_s: f64| match source {
         Source::Profile => Vec::new(),
-        Source::Streamed => {
+        Source::Streamed | Source::Ahead => {
             let orientation = Some(UnitQuaternion::from_rotation_matrix(&start.rotation));
-            let value = StreamedValue::Pose { position: Some(at(time_s)), orientation };
-            vec![StreamedTarget { task: 0, time_s, value, velocity: None }]
+            let pose = |time_s: f64| StreamedValue::Pose { position: Some(at(time_s)), orientation };
+            let later =
+                |i: u32| TargetAhead { after_s: 0.04 * f64::from(i), value: pose(time_s + 0.04 * f64::from(i)) };
+            let ahead = if source == Source::Ahead { (1..=25).map(later).collect() } else { Vec::new() };
+            let value = pose(time_s);
+            vec![StreamedTarget { task: 0, time_s, value, velocity: None, ahead }]
         }
     };
     let run = arm.run(task, FIGURE, targets);
@@ -244,7 +251,7 @@ fn print(name: &str, law: impl Fn() -> Law) {
         {
             for seed in 0..3 {
                 let figure = Figure::new(speed, seed);
-                for source in [Source::Profile, Source::Streamed] {
+                for source in [Source::Profile, Source::Ahead, Source::Streamed] {
                     let Followed { rms, largest, tilt, shares } = follow(arm, &figure, source, law());
                     println!(
                         "{name} {robot} figure {:.2} m/s seed {seed} {source:?}: RMS {:.1} mm, largest {:.1} mm, tilt {tilt:.3} rad, V {:.2} A {:.2}",

@@ -218,7 +218,7 @@ fn no_limit_is_exceeded_by_streamed_targets_with_drop_outs() {
                 next += (1.0 + 0.4 * random.signed()) / 45.0;
                 let target = q.iter().map(|q| q + 0.8 * random.signed()).collect();
                 let value = StreamedValue::JointPosition(target);
-                let target = StreamedTarget { task: 0, time_s, value, velocity: None };
+                let target = StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() };
                 measured.targets.extend((time_s % 1.6 < 1.0).then_some(target));
             }
             let command = stepper.step(&mut memory, &measured).unwrap();

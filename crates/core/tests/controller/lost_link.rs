@@ -51,7 +51,10 @@ fn run(config: &ControllerConfig) -> Findings {
         let is_due = (!(LOST..FOUND).contains(&time_s) && time_s - sent > 1.0 / 60.0).then(|| sent = time_s);
         let position = start + Vector3::new(0.1 * (3.0 * time_s).sin(), 0.15 * (2.0 * time_s).sin(), 0.0);
         let value = StreamedValue::Pose { position: Some(position), orientation: None };
-        let targets = is_due.map(|()| StreamedTarget { task: 0, time_s, value, velocity: None }).into_iter().collect();
+        let targets = is_due
+            .map(|()| StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() })
+            .into_iter()
+            .collect();
         let measured = Measurement { targets, ..arm.measure(time_s) };
         let command = stepper.step(&mut memory, &measured).unwrap();
         let velocity = command.resolution.joint_velocity.as_slice();

@@ -65,7 +65,7 @@ fn run(damping: Damping) -> (f64, f64) {
             position: Some(start.translation.vector + displacement(time_s)),
             orientation: Some(UnitQuaternion::from_rotation_matrix(&start.rotation)),
         };
-        let targets = vec![StreamedTarget { task: 0, time_s, value, velocity: None }];
+        let targets = vec![StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() }];
         let measured = Measurement { targets, ..arm.measure(time_s) };
         let command = stepper.step(&mut memory, &measured).unwrap().resolution.joint_velocity.as_slice().to_vec();
         for ((new, old), limit) in command.iter().zip(&last).zip(&limits) {

@@ -50,7 +50,7 @@ fn target_at(task: &TaskConfig, time_s: f64, value: f64, velocity: Option<f64>) 
         TaskRows::Tool(_) => StreamedValue::Pose { position: Some(Vector3::new(value, 0.0, 0.0)), orientation: None },
         _ => StreamedValue::JointPosition(vec![value]),
     };
-    StreamedTarget { task: 0, time_s, value, velocity: velocity.map(|velocity| vec![velocity]) }
+    StreamedTarget { task: 0, time_s, value, velocity: velocity.map(|velocity| vec![velocity]), ahead: Vec::new() }
 }
 
 /// One period of a run.
@@ -163,7 +163,7 @@ fn orientations_are_followed_exactly_at_a_uniform_turn() {
     for i in 0..3000 {
         let time_s = f64::from(i) * PERIOD;
         let value = StreamedValue::Pose { position: None, orientation: Some(turned(time_s)) };
-        let target = StreamedTarget { task: 0, time_s, value, velocity: None };
+        let target = StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() };
         let targets = if i % 22 == 0 { vec![target] } else { Vec::new() };
         let command = stepper.step(&mut memory, &Measurement { time_s, targets, ..measurement(&q) }).unwrap();
         q.iter_mut().zip(command.resolution.joint_velocity.iter()).for_each(|(q, qdot)| *q += PERIOD * qdot);
@@ -214,7 +214,8 @@ fn velocities_and_forces_are_held_and_then_brake() {
     for (task, value) in [(velocity, StreamedValue::Velocity(vec![0.4])), (push, StreamedValue::Force(vec![60.0]))] {
         let mut run = Run::new(task.clone(), PERIOD);
         for i in 0..1000 {
-            let target = StreamedTarget { task: 0, time_s: run.time(), value: value.clone(), velocity: None };
+            let target =
+                StreamedTarget { task: 0, time_s: run.time(), value: value.clone(), velocity: None, ahead: Vec::new() };
             run.step((i % 20 == 0).then_some(target));
         }
         // B_d is 150 N·s/m, so 60 N move the tool at 0.4 m/s.
@@ -232,7 +233,8 @@ fn velocities_and_forces_are_held_and_then_brake() {
         assert!(run.largest_change(0.9) <= MAX_ACCELERATION * PERIOD + 1e-12);
         // It follows again.
         for _ in 0..1000 {
-            let target = StreamedTarget { task: 0, time_s: run.time(), value: value.clone(), velocity: None };
+            let target =
+                StreamedTarget { task: 0, time_s: run.time(), value: value.clone(), velocity: None, ahead: Vec::new() };
             run.step(Some(target));
         }
         assert!((run.samples.last().unwrap().asked - 0.4).abs() < 1e-3, "{:?}", task.law);
@@ -245,7 +247,13 @@ fn forces_are_interpolated_and_never_extrapolated() {
     let mut run =
         Run::new(TaskConfig { streaming: Streaming { delay_s: 0.1, ..Streaming::default() }, ..task }, PERIOD);
     let push = |time_s: f64, force: f64| {
-        Some(StreamedTarget { task: 0, time_s, value: StreamedValue::Force(vec![force]), velocity: None })
+        Some(StreamedTarget {
+            task: 0,
+            time_s,
+            value: StreamedValue::Force(vec![force]),
+            velocity: None,
+            ahead: Vec::new(),
+        })
     };
     run.step(push(0.0, 10.0));
     let mut forces = Vec::new();
@@ -429,7 +437,13 @@ fn largest_excess(controller: &Controller, lag_s: f64, delay: usize, noise: f64,
             let jump = Vector3::new(random.next(), random.next(), random.next()) * 0.3;
             let position = Some(start.translation.vector + jump);
             let value = StreamedValue::Pose { position, orientation: None };
-            let target = StreamedTarget { task: 0, time_s: time_s - 0.01 * random.next().abs(), value, velocity: None };
+            let target = StreamedTarget {
+                task: 0,
+                time_s: time_s - 0.01 * random.next().abs(),
+                value,
+                velocity: None,
+                ahead: Vec::new(),
+            };
             targets.extend((!dropped).then_some(target));
         }
         let measured: Vec<f64> = q.iter().map(|q| q + noise * random.next()).collect();

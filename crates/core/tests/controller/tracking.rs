@@ -83,7 +83,7 @@ fn tracking_error(source: Source, gain: f64, lap: f64, drive: Drive, stated: Dri
         let target = |task| {
             let position = Some(start + circle(due / 45.0, lap));
             let value = StreamedValue::Pose { position, orientation: None };
-            StreamedTarget { task, time_s: due / 45.0, value, velocity: None }
+            StreamedTarget { task, time_s: due / 45.0, value, velocity: None, ahead: Vec::new() }
         };
         let targets = if is_due { vec![target(0), target(1)] } else { Vec::new() };
         sent = due;

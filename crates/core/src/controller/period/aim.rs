@@ -9,7 +9,7 @@ mod streams;
 pub use self::braking::BRAKING_SHARE;
 use self::braking::RequestBounds;
 pub(super) use self::gains::Gains;
-use self::look_ahead::LookAhead;
+use self::look_ahead::{LookAhead, Scene};
 use crate::arm_state::ArmState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
@@ -175,7 +175,7 @@ fn follow_ahead(
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
 ) {
-    let Some(velocity) = look_ahead.update(config, arm, previous, streams) else { return };
+    let Some(velocity) = look_ahead.update(Scene { config, arm, previous, streams }) else { return };
     let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
     if leaves || streams::have_dropped_out(streams) {
         return;

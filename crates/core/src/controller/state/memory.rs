@@ -13,7 +13,7 @@ use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
-use crate::streaming::{MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
+use crate::streaming::{MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
 /// The complete state of a controller. Another process with the same
 /// controller can continue from it and computes the same commands, to the last bit.
@@ -209,6 +209,13 @@ pub(in crate::controller) fn fits_task(stream: &TargetStream, config: &Controlle
     task.accepts(stream.quantity)
         && stream.previous.iter().chain(&stream.newest).all(fits)
         && in_order
+        && stream.ahead.windows(2).all(|pair| pair[1].time_s - pair[0].time_s > 0.0)
+        && stream.ahead.iter().all(|later| later.time_s.is_finite() && fits_value(&later.value))
+        && stream
+            .ahead
+            .first()
+            .is_none_or(|first| stream.newest.as_ref().is_some_and(|newest| first.time_s > newest.time_s))
+        && stream.ahead.len() <= MAX_TARGETS_AHEAD
         && fits_value(&stream.reference.value)
         && fits_velocity(&stream.reference.velocity)
 }

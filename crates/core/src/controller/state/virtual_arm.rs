@@ -28,6 +28,12 @@ impl VirtualArm {
         self.postures.clone_from(&other.postures);
     }
 
+    /// Puts the arm into its first posture at all times.
+    pub(in crate::controller) fn stand_at_first(&mut self) {
+        let (first, later) = self.postures.split_at_mut(1);
+        later.iter_mut().for_each(|posture| posture.copy_from_slice(&first[0]));
+    }
+
     /// Puts the arm into a posture (n) at all times.
     pub(in crate::controller) fn stand_at(&mut self, position: &[f64]) {
         for posture in &mut self.postures {

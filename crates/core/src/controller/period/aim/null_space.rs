@@ -75,11 +75,6 @@ fn limit_holding(velocity: &mut Vector) {
     }
 }
 
-/// Returns the factor that limits a motion of this norm in a period (T, s) to [`HOLDING_SPEED`].
-pub(super) fn holding_factor(norm: f64, period: f64) -> f64 {
-    if norm > HOLDING_SPEED * period { HOLDING_SPEED * period / norm } else { 1.0 }
-}
-
 /// Overwrites `velocity` with the motion towards the middle of the joints' ranges that leaves a posture, n, rad/s or m/s.
 /// Joints without a range rest.
 fn write_leaving(robot: &RobotModel, joint_position: &[f64], velocity: &mut Vector) {

@@ -3,7 +3,7 @@
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::Memory;
-use crate::streaming::{ActiveStream, StreamedTarget, Target, TargetState, TargetStream};
+use crate::streaming::{ActiveStream, LaterTarget, StreamedTarget, Target, TargetAhead, TargetState, TargetStream};
 
 /// Overwrites `streams` with the streams of this period.
 pub(super) fn update(
@@ -57,8 +57,13 @@ fn accept(
         }
     };
     let (value, velocity) = task.rows.target(given, arm.measured());
+    let later = |ahead: &TargetAhead| LaterTarget {
+        time_s: given.time_s + ahead.after_s,
+        value: task.rows.target_value(&ahead.value, arm.measured()),
+    };
+    let ahead = given.ahead.iter().map(later).collect();
     let target = Target { time_s: given.time_s, value, velocity };
-    let ignored = streams[index].stream.accept(target, &task.streaming);
+    let ignored = streams[index].stream.accept(target, ahead, &task.streaming);
     streams[index].ignored = ignored.or(streams[index].ignored);
 }
 

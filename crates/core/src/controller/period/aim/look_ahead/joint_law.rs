@@ -4,15 +4,18 @@ use super::plan::{INTERVALS, Plan};
 use crate::controller::state::TIMES_AHEAD;
 use crate::law::{braking_factor, linear_share};
 
-/// Largest gain near the virtual joint, 1/s. At this gain a joint that brakes fully has 2 mrad left, and 0.1 mrad of noise are a speed of
-/// 4 mrad/s.
-const GAIN: f64 = 40.0;
+/// Largest gain near the virtual joint, 1/s. A joint that brakes fully has 1 mrad left there, and 0.1 mrad of noise are a speed of 6
+/// mrad/s.
+const GAIN: f64 = 60.0;
 
 /// Largest product of the gain and the period. Loops below 2/3 come to rest behind every drive.
 const GAIN_PERIODS: f64 = 0.5;
 
 /// Share of the acceleration limit up to which the virtual joint is followed by feedback alone.
 const FOLLOWED: f64 = 0.9;
+
+/// Largest share of the acceleration limit that is kept for a motion which is only predicted.
+const PREDICTED: f64 = 0.85;
 
 /// Part of the reaction time per time a/J in which a joint with a jerk limit changes its acceleration.
 const DELAY_PER_CHANGE: f64 = 1.5;
@@ -36,38 +39,60 @@ pub(super) struct Joint {
     /// u⁻, last command, rad/s or m/s.
     pub last_command: f64,
     pub can: Capability,
+    /// T, s.
+    pub period: f64,
 }
 
 impl Joint {
-    /// Returns the velocity that follows a virtual joint; `ahead`: its positions at [`TIMES_AHEAD`]; `period`: T, s.
-    pub fn velocity(&self, ahead: &[f64; TIMES_AHEAD.len()], plan: &Plan, known: bool, period: f64) -> f64 {
+    /// Returns the velocity to a virtual joint that rests; `share`: of the speed limit, and by its square of the acceleration limit.
+    pub fn arriving(&self, target: f64, share: f64) -> f64 {
+        let speed = self.can.speed * share;
+        let feedback = self.feedback(target - self.position, self.can.acceleration * share * share);
+        self.reachable(feedback.clamp(-speed, speed))
+    }
+
+    /// Returns the velocity that follows a virtual joint whose positions at [`TIMES_AHEAD`] are known.
+    pub fn following(&self, ahead: &[f64; TIMES_AHEAD.len()], plan: &Plan) -> f64 {
         let Capability { speed, acceleration, .. } = self.can;
-        let needed = if known { largest_acceleration(ahead) } else { acceleration_now(ahead).min(0.85 * acceleration) };
-        let wanted = if needed < FOLLOWED * acceleration {
-            let feedback = self.feedback(ahead[0] - self.position, acceleration - needed, period);
-            velocity_now(ahead, 0.5 * period) + feedback
-        } else {
-            let mut relative = [0.0; INTERVALS];
-            for (k, entry) in relative.iter_mut().enumerate() {
-                *entry = ahead[k + 1] - self.position - self.last_command * TIMES_AHEAD[k + 1];
-            }
-            self.last_command + period * plan.first_acceleration(&relative, self.last_command, [acceleration, speed])
-        };
-        let change = acceleration * period;
-        let reachable = wanted.clamp(self.last_command - change, self.last_command + change);
-        reachable.clamp(-speed, speed)
+        let needed = largest_acceleration(ahead);
+        if needed < FOLLOWED * acceleration {
+            return self.tracking(ahead[0], velocity_now(ahead, 0.5 * self.period), acceleration - needed);
+        }
+        let relative: [f64; INTERVALS] =
+            std::array::from_fn(|k| ahead[k + 1] - self.position - self.last_command * TIMES_AHEAD[k + 1]);
+        let first = plan.first_acceleration(&relative, self.last_command, [acceleration, speed]);
+        self.reachable(self.last_command + self.period * first)
+    }
+
+    /// Returns the velocity that follows a virtual joint whose positions at [`TIMES_AHEAD`] are predicted: only the first ones count.
+    pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+        let acceleration = self.can.acceleration;
+        let needed = acceleration_now(ahead).abs().min(PREDICTED * acceleration);
+        self.tracking(ahead[0], velocity_now(ahead, 0.5 * self.period), acceleration - needed)
+    }
+
+    /// Returns the velocity that follows a virtual joint at a position with a velocity; `room`: the deceleration left for the feedback.
+    pub fn tracking(&self, position: f64, velocity: f64, room: f64) -> f64 {
+        self.reachable(velocity + self.feedback(position - self.position, room))
     }
 
     /// Returns the velocity towards a position at this distance from which the joint stops there with the deceleration `room`.
-    fn feedback(&self, distance: f64, room: f64, period: f64) -> f64 {
-        let gain = GAIN.min(GAIN_PERIODS / period);
+    fn feedback(&self, distance: f64, room: f64) -> f64 {
+        let gain = GAIN.min(GAIN_PERIODS / self.period);
         let bare = gain * distance;
         if bare == 0.0 {
             return 0.0;
         }
         let delay = if self.can.jerk.is_finite() { DELAY_PER_CHANGE * room / self.can.jerk } else { 0.0 };
-        let linear = linear_share(gain, 0.5 * period + delay);
+        let linear = linear_share(gain, 0.5 * self.period + delay);
         bare * braking_factor(room / (gain * bare.abs()), linear)
+    }
+
+    /// Returns the velocity nearest to a wanted one that the limits of acceleration and velocity permit.
+    fn reachable(&self, wanted: f64) -> f64 {
+        let Capability { speed, acceleration, .. } = self.can;
+        let change = acceleration * self.period;
+        wanted.clamp(self.last_command - change, self.last_command + change).clamp(-speed, speed)
     }
 }
 
@@ -78,17 +103,18 @@ fn largest_acceleration(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
     (1..TIMES_AHEAD.len() - 1).map(|k| second(k).abs()).fold(0.0, f64::max)
 }
 
-/// Returns the acceleration of a virtual joint on the parabola through its first three positions.
-fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
-    let [_, first, second, ..] = TIMES_AHEAD;
-    let slopes = [(ahead[1] - ahead[0]) / first, (ahead[2] - ahead[1]) / (second - first)];
-    (2.0 * (slopes[1] - slopes[0]) / second).abs()
+/// Returns the slopes of the first two pieces.
+fn first_slopes(ahead: &[f64; TIMES_AHEAD.len()]) -> [f64; 2] {
+    [0, 1].map(|k| (ahead[k + 1] - ahead[k]) / (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k]))
 }
 
-/// Returns the velocity of a virtual joint at a time near 0 on the parabola through its first three positions.
+/// Returns the acceleration of a virtual joint on the parabola through its first three positions.
+fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+    let [first, second] = first_slopes(ahead);
+    2.0 * (second - first) / TIMES_AHEAD[2]
+}
+
+/// Returns the velocity of a virtual joint on this parabola at a time near 0.
 fn velocity_now(ahead: &[f64; TIMES_AHEAD.len()], time: f64) -> f64 {
-    let [_, first, second, ..] = TIMES_AHEAD;
-    let slopes = [(ahead[1] - ahead[0]) / first, (ahead[2] - ahead[1]) / (second - first)];
-    let half_acceleration = (slopes[1] - slopes[0]) / second;
-    slopes[0] + half_acceleration * (2.0 * time - first)
+    first_slopes(ahead)[0] + acceleration_now(ahead) * (time - 0.5 * TIMES_AHEAD[1])
 }

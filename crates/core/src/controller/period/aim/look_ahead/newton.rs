@@ -30,9 +30,8 @@ const DEPENDENT: f64 = 1e-4;
 pub(super) struct NullSpaceStep<'a> {
     /// The motion before it is projected, n, rad or m.
     pub motion: &'a [f64],
-    /// Returns the factor of the projected motion from its norm; the second argument is the length of what is new in the row that depends most
-    /// on those before it.
-    pub factor: &'a dyn Fn(f64, f64) -> f64,
+    /// Returns the factor of the projected motion from the length of what is new in the row that depends most on those before it.
+    pub factor: &'a dyn Fn(f64) -> f64,
 }
 
 /// The storage of one step over n joints, which count in units of their scales S: q = S y. Tasks so move fast joints more than slow
@@ -164,8 +163,7 @@ impl Newton {
             }
             zero_held(scratch, held);
             remove(basis, *rank, *n, scratch);
-            let square: f64 = scratch.iter().zip(&*scales).map(|(entry, scale)| (entry * scale).powi(2)).sum();
-            let factor = factor(square.sqrt(), self.smallest);
+            let factor = factor(self.smallest);
             step.iter_mut().zip(&*scratch).for_each(|(step, entry)| *step += factor * entry);
         }
     }
