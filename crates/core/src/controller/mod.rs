@@ -51,8 +51,9 @@ pub use config::{
 pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
 pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};
 pub use state::{
-    AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, Measurement, Memory, MemoryError, Obstacle, Progress,
-    RestState, Stall, StalledJoint, StepError, StuckTask, TIMES_AHEAD, TaskGain, TaskTarget, VirtualArm,
+    AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, LINE_INTERVALS, Line, Measurement, Memory,
+    MemoryError, Obstacle, Progress, RestState, Stall, StalledJoint, StepError, StuckTask, TIMES_AHEAD, TaskGain,
+    TaskTarget, VirtualArm,
 };
 pub use stepper::Stepper;
 pub use transition::TransitionError;

@@ -155,7 +155,7 @@ impl Memory {
         if !self.rest.as_ref().is_none_or(|rest| rest.is_valid(n, config.tasks.len())) {
             return Err(MemoryError::Rest);
         }
-        if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n)) {
+        if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n, target_rows(config))) {
             return Err(MemoryError::VirtualArm);
         }
         let count = self.stalls.len();
@@ -183,6 +183,11 @@ impl Memory {
             Err(MemoryError::Targets)
         }
     }
+}
+
+/// Returns the number of rows of all tasks with targets.
+fn target_rows(config: &ControllerConfig) -> usize {
+    config.tasks.iter().filter(|task| task.law.bounds().is_none()).map(|task| task.rows.len()).sum()
 }
 
 fn key(stream: &TargetStream) -> (usize, Quantity) {

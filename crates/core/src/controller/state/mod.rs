@@ -3,6 +3,7 @@
 mod answered_state;
 mod command;
 mod jerk_state;
+mod line;
 mod measurement;
 mod memory;
 mod progress;
@@ -16,6 +17,7 @@ mod virtual_arm;
 pub use answered_state::AnsweredState;
 pub use command::Command;
 pub use jerk_state::JerkState;
+pub use line::{LINE_INTERVALS, Line};
 pub use measurement::Measurement;
 pub(super) use memory::fits_task;
 pub use memory::{Memory, MemoryError};

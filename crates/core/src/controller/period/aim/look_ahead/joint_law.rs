@@ -55,7 +55,7 @@ impl Joint {
     pub fn following(&self, ahead: &[f64; TIMES_AHEAD.len()], plan: &Plan) -> f64 {
         let Capability { speed, acceleration, .. } = self.can;
         let needed = largest_acceleration(ahead);
-        if needed < FOLLOWED * acceleration {
+        if needed < FOLLOWED * acceleration && largest_speed(ahead) < speed {
             return self.tracking(ahead[0], velocity_now(ahead, 0.5 * self.period), acceleration - needed);
         }
         let relative: [f64; INTERVALS] =
@@ -96,25 +96,28 @@ impl Joint {
     }
 }
 
-/// Returns the largest acceleration of a virtual joint, from second differences.
-fn largest_acceleration(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
-    let slope = |k: usize| (ahead[k + 1] - ahead[k]) / (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k]);
-    let second = |k: usize| (slope(k) - slope(k - 1)) / (0.5 * (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k - 1]));
-    (1..TIMES_AHEAD.len() - 1).map(|k| second(k).abs()).fold(0.0, f64::max)
+/// Returns the velocity of a virtual joint from one time to the next.
+fn slope(ahead: &[f64; TIMES_AHEAD.len()], k: usize) -> f64 {
+    (ahead[k + 1] - ahead[k]) / (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k])
 }
 
-/// Returns the slopes of the first two pieces.
-fn first_slopes(ahead: &[f64; TIMES_AHEAD.len()]) -> [f64; 2] {
-    [0, 1].map(|k| (ahead[k + 1] - ahead[k]) / (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k]))
+/// Returns the largest speed of a virtual joint.
+fn largest_speed(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+    (0..INTERVALS).map(|k| slope(ahead, k).abs()).fold(0.0, f64::max)
+}
+
+/// Returns the largest acceleration of a virtual joint, from second differences.
+fn largest_acceleration(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+    let second = |k: usize| (slope(ahead, k) - slope(ahead, k - 1)) / (0.5 * (TIMES_AHEAD[k + 1] - TIMES_AHEAD[k - 1]));
+    (1..TIMES_AHEAD.len() - 1).map(|k| second(k).abs()).fold(0.0, f64::max)
 }
 
 /// Returns the acceleration of a virtual joint on the parabola through its first three positions.
 fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
-    let [first, second] = first_slopes(ahead);
-    2.0 * (second - first) / TIMES_AHEAD[2]
+    2.0 * (slope(ahead, 1) - slope(ahead, 0)) / TIMES_AHEAD[2]
 }
 
 /// Returns the velocity of a virtual joint on this parabola at a time near 0.
 fn velocity_now(ahead: &[f64; TIMES_AHEAD.len()], time: f64) -> f64 {
-    first_slopes(ahead)[0] + acceleration_now(ahead) * (time - 0.5 * TIMES_AHEAD[1])
+    slope(ahead, 0) + acceleration_now(ahead) * (time - 0.5 * TIMES_AHEAD[1])
 }

@@ -5,28 +5,50 @@
 
 mod arrival;
 mod joint_law;
+mod line_speed;
 mod newton;
 mod plan;
 mod scene;
 mod target_posture;
+
+use std::ops::RangeInclusive;
 
 use self::joint_law::{Capability, Joint};
 use self::plan::Plan;
 pub(super) use self::scene::Scene;
 use self::target_posture::{NEAR, Place, TargetPosture};
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{TIMES_AHEAD, VirtualArm, has_jumped};
+use crate::controller::state::{LINE_INTERVALS, TIMES_AHEAD, VirtualArm, has_jumped};
+use crate::law::MotionPath;
 use crate::linalg::Vector;
 
 /// Distance of the virtual arm from its targets that tells that they have jumped, m and rad together: they move less in a period.
 const FAR: f64 = 0.1;
 
 /// Steps per time and period, for the first time and for later ones.
-const STEPS: [usize; 2] = [8, 4];
+const STEPS: [RangeInclusive<usize>; 2] = [1..=8, 1..=4];
+
+/// The same for a place of a line, where the motion in the null space must have ended.
+const STEPS_TO_PLACE: RangeInclusive<usize> = 4..=6;
 
 /// Without a jump of the targets, the virtual arm jumps if a joint moves by more than this many periods at full speed, and a little
 /// more, rad or m.
 const JUMP: (f64, f64) = (2.0, 1e-3);
+
+/// Largest mean speed of a virtual joint that is planned for, in speed limits: it may be faster for a while.
+const REACH: f64 = 2.0;
+
+/// Distance (m and rad together) and speed (per s) from which on a resting target has jumped, and the tool moves on a line.
+const LINE: (f64, f64) = (0.005, 1.0);
+
+/// Places of a line that are computed in one period.
+const PLACES: usize = 4;
+
+/// Share of the acceleration limit with which joints return to the line.
+const CORRECTION: f64 = 0.3;
+
+/// Distance from the targets at which a line ends, m and rad together.
+const END: f64 = 1e-4;
 
 /// The virtual arm and the memory in which it is computed.
 #[derive(Debug)]
@@ -34,6 +56,7 @@ pub(in super::super) struct LookAhead {
     arm: VirtualArm,
     posture: TargetPosture,
     plan: Plan,
+    can: Vec<Capability>,
     velocity: Vector,
 }
 
@@ -46,6 +69,7 @@ impl LookAhead {
             arm: VirtualArm::at(&vec![0.0; n]),
             posture: TargetPosture::new(config)?,
             plan: Plan::new(),
+            can: Vec::with_capacity(n),
             velocity: Vector::zeros(n),
         })
     }
@@ -58,10 +82,14 @@ impl LookAhead {
     /// Moves the virtual arm on to this period, and returns the velocities of the joints that follow it (n); `None` if it jumps.
     pub fn update(&mut self, scene: Scene) -> Option<&Vector> {
         self.recall(scene);
+        if scene.config.path() == Some(MotionPath::Straight) && self.is_on_line(scene) {
+            self.follow_line(scene);
+            return Some(&self.velocity);
+        }
         let Self { arm, posture, velocity, .. } = self;
         velocity.as_mut_slice().copy_from_slice(&arm.postures[0]);
         let [first, last] =
-            posture.approach(scene, Place::target(TIMES_AHEAD[0]), &mut arm.postures[0], STEPS[0], None);
+            posture.approach(scene, Place::target(TIMES_AHEAD[0]), &mut arm.postures[0], STEPS[0].clone(), None);
         let arrives = first > FAR && last < NEAR;
         if !arrives && jumps(velocity.as_slice(), &arm.postures[0], scene) {
             arm.stand_at_first();
@@ -86,6 +114,59 @@ impl LookAhead {
         }
     }
 
+    /// Returns whether the virtual arm moves on a line, which begins when resting targets have jumped.
+    fn is_on_line(&mut self, scene: Scene) -> bool {
+        let Self { arm: VirtualArm { postures, line }, posture, .. } = self;
+        let (least, speed) = LINE;
+        let now = &postures[0];
+        let error = match &*line {
+            Some(line) => posture.measure(scene, place_on(&line.offset, line.progress), now),
+            None => posture.measure(scene, Place::target(TIMES_AHEAD[0]), now),
+        };
+        let rests = posture.target_rests(scene, TIMES_AHEAD[TIMES_AHEAD.len() - 1]);
+        if rests && error > least + speed * scene.config.period_s {
+            line.get_or_insert_default().start(now, posture.measured());
+        }
+        line.is_some()
+    }
+
+    /// Moves the virtual arm on along its line, and computes the velocities of the joints that follow it.
+    fn follow_line(&mut self, scene: Scene) {
+        let Self { arm, posture, can, velocity, .. } = self;
+        let VirtualArm { postures, line: Some(line) } = arm else { return };
+        can.clear();
+        can.extend((0..velocity.len()).map(|j| capability(scene, j)));
+        if line.postures.len() <= LINE_INTERVALS {
+            for _ in 0..PLACES.min(LINE_INTERVALS + 1 - line.postures.len()) {
+                let place = line.postures.len() as f64 / LINE_INTERVALS as f64;
+                let mut next = line.postures[line.postures.len() - 1].clone();
+                posture.approach(scene, place_on(&line.offset, place), &mut next, STEPS_TO_PLACE, None);
+                line.postures.push(next);
+            }
+            line_speed::update_speeds(line, can);
+        }
+        let before = line.progress;
+        let ends = line_speed::advance(line, can, scene.config.period_s);
+        let (now, later) = postures.split_at_mut(1);
+        let next = &mut later[0];
+        for (j, (next, now)) in next.iter_mut().zip(&now[0]).enumerate() {
+            let way = line_speed::position_at(line, line.progress, j) - line_speed::position_at(line, before, j);
+            *next = now + way;
+        }
+        posture.approach(scene, place_on(&line.offset, line.progress), next, STEPS[1].clone(), None);
+        for (j, velocity) in velocity.iter_mut().enumerate() {
+            let joint = joint(scene, j);
+            let rate = (next[j] - now[0][j]) / joint.period;
+            *velocity = joint.tracking(now[0][j], rate, CORRECTION * joint.can.acceleration);
+        }
+        now[0].copy_from_slice(next);
+        let length = line.offset.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        if ends || (1.0 - line.progress) * length < END {
+            arm.line = None;
+        }
+        arm.stand_at_first();
+    }
+
     /// Moves the later postures towards their targets; returns whether the targets rest.
     fn look_ahead(&mut self, scene: Scene) -> bool {
         let Self { arm, posture, .. } = self;
@@ -97,7 +178,7 @@ impl LookAhead {
                 later[0].copy_from_slice(&before[0]);
             } else {
                 let restart = Some((FAR, before[k - 1].as_slice()));
-                posture.approach(scene, Place::target(TIMES_AHEAD[k]), &mut later[0], STEPS[1], restart);
+                posture.approach(scene, Place::target(TIMES_AHEAD[k]), &mut later[0], STEPS[1].clone(), restart);
             }
         }
         resting.into_iter().all(|rests| rests)
@@ -120,12 +201,17 @@ impl LookAhead {
             let (joint, first) = (joint(scene, j), arm.postures[0][j]);
             // A posture on another branch is no place to plan for.
             let ahead = std::array::from_fn(|k| {
-                let reach = joint.can.speed * TIMES_AHEAD[k];
+                let reach = REACH * joint.can.speed * TIMES_AHEAD[k];
                 arm.postures[k][j].clamp(first - reach, first + reach)
             });
             *velocity = if is_known { joint.following(&ahead, plan) } else { joint.predicting(&ahead) };
         }
     }
+}
+
+/// Returns a place on the line to resting targets.
+fn place_on(offset: &[f64], progress: f64) -> Place<'_> {
+    Place { after: TIMES_AHEAD[0], offset, left: 1.0 - progress }
 }
 
 fn capability(scene: Scene, j: usize) -> Capability {

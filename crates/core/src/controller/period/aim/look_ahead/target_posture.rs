@@ -1,5 +1,7 @@
 //! The posture at which all tasks have reached their targets, by their priority.
 
+use std::ops::RangeInclusive;
+
 use revprio_robot::kinematics::Configuration;
 
 use super::newton::{Newton, NullSpaceStep};
@@ -70,14 +72,14 @@ impl TargetPosture {
         })
     }
 
-    /// Moves a posture (n) to a place by some steps at most; returns the distances before the first and before the last step, m and rad
+    /// Moves a posture (n) to a place by as many steps as it needs; returns the distances before the first and before the last step, m and rad
     /// together. If the first distance is above `far`, the posture starts from `restart` (n) instead.
     pub fn approach(
         &mut self,
         scene: Scene,
         place: Place,
         posture: &mut [f64],
-        steps: usize,
+        steps: RangeInclusive<usize>,
         restart: Option<(f64, &[f64])>,
     ) -> [f64; 2] {
         self.linearise(scene, place, posture);
@@ -90,8 +92,8 @@ impl TargetPosture {
         }
         let mut last = self.newton.error();
         self.step(scene, posture, true);
-        for _ in 1..steps {
-            if last < NEAR {
+        for made in 1..*steps.end() {
+            if last < NEAR && made >= *steps.start() {
                 break;
             }
             self.linearise(scene, place, posture);
