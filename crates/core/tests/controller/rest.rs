@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::IsometryMatrix3;
 use revprio_core::controller::{Controller, ControllerConfig, Limits, NullSpaceMotion, Stepper, TaskConfig};
+use revprio_core::law::{Law, MotionPath};
 use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::resolution::Method;
 use revprio_core::rows::{JointRows, JointTarget, TargetPose, TaskRows, ToolRows};
@@ -70,6 +71,16 @@ impl Loop {
             LimitKind::PositionVelocity,
         ]));
         Self { config, start, drive, noise: random.pick(&[0.0, 0.0, 1e-4]), seed, target }
+    }
+
+    /// Returns the same loop with laws that look ahead on a path, or do not.
+    fn looking_ahead(mut self, path: Option<MotionPath>) -> Self {
+        for task in &mut self.config.tasks {
+            if let (Law::Position(law), Some(path)) = (&task.law, path) {
+                task.law = Law::Position(law.clone().along(path));
+            }
+        }
+        self
     }
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
@@ -300,10 +311,10 @@ struct Finding {
     settled: [f64; 2],
 }
 
-fn run_all(seeds: &[u64]) -> Vec<Finding> {
+fn run_all(seeds: &[u64], path: Option<MotionPath>) -> Vec<Finding> {
     let mut all: Vec<Finding> = std::thread::scope(|scope| {
         let run = |part: usize| -> Vec<Finding> {
-            seeds.iter().skip(part).step_by(2).map(|seed| Loop::new(*seed).run()).collect()
+            seeds.iter().skip(part).step_by(2).map(|seed| Loop::new(*seed).looking_ahead(path).run()).collect()
         };
         let threads = [0, 1].map(|part| scope.spawn(move || run(part)));
         threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
@@ -316,14 +327,19 @@ fn number_of(kind: Kind, all: &[Finding]) -> usize {
     all.iter().filter(|finding| finding.kind == kind).count()
 }
 
-/// `FROM` and `LOOPS` choose the loops. The lines that begin with `csv` have the seed, what the loop does, swing, largest command that
+/// `FROM` and `LOOPS` choose the loops, `LAW_PATH` a path on which the laws look ahead. The lines that begin with `csv` have the seed, what the loop does, swing, largest command that
 /// chatters, last errors of position and orientation, and the times after which they stay near the last ones.
 #[test]
 #[ignore = "ten minutes"]
 fn random_loops_come_to_rest() {
     let variable = |name: &str, default: u64| std::env::var(name).map_or(default, |value| value.parse().unwrap());
     let (from, count) = (variable("FROM", 0), variable("LOOPS", 1000));
-    let all = run_all(&(from..from + count).collect::<Vec<_>>());
+    let path = match std::env::var("LAW_PATH").as_deref() {
+        Ok("joint") => Some(MotionPath::Joint),
+        Ok("straight") => Some(MotionPath::Straight),
+        _ => None,
+    };
+    let all = run_all(&(from..from + count).collect::<Vec<_>>(), path);
     for Finding { seed, kind, swing, chatter, end, settled, description } in &all {
         let [position, orientation] = end;
         let [early, late] = settled;
@@ -342,7 +358,8 @@ fn random_loops_come_to_rest() {
 /// They swung or chattered before requests faded.
 #[test]
 fn loops_that_never_rested_come_to_rest() {
-    let all = run_all(&[65, 113, 134, 254, 304, 387, 411, 460, 510, 627, 645, 807, 836, 1009, 1313, 1350, 1399, 1404]);
+    let all =
+        run_all(&[65, 113, 134, 254, 304, 387, 411, 460, 510, 627, 645, 807, 836, 1009, 1313, 1350, 1399, 1404], None);
     for found in &all {
         assert!(matches!(found.kind, Kind::Rests | Kind::Moves), "seed {}: {}", found.seed, found.description);
     }

@@ -18,12 +18,15 @@ pub struct Line {
     pub postures: Vec<Vec<f64>>,
     /// The largest σ̇ there from which the joints can stop at the last one, 1/s.
     pub speeds: Vec<f64>,
+    /// Whether the line leads out of reach, or through places at which the joints would almost stop. The law of the task then moves the
+    /// arm as it does without looking ahead, until the targets change or are reached.
+    pub is_given_up: bool,
 }
 
 impl Line {
     /// Starts a line at a posture (n) with a displacement from the targets (one entry per row).
     pub(in crate::controller) fn start(&mut self, posture: &[f64], offset: &[f64]) {
-        (self.progress, self.speed) = (0.0, 0.0);
+        (self.progress, self.speed, self.is_given_up) = (0.0, 0.0, false);
         self.offset.clear();
         self.offset.extend_from_slice(offset);
         self.postures.clear();
@@ -49,14 +52,12 @@ impl Line {
 
 impl Clone for Line {
     fn clone(&self) -> Self {
-        let Self { offset, progress, speed, postures, speeds } = self;
-        let (offset, postures, speeds) = (offset.clone(), postures.clone(), speeds.clone());
-        Self { offset, progress: *progress, speed: *speed, postures, speeds }
+        Self { offset: self.offset.clone(), postures: self.postures.clone(), speeds: self.speeds.clone(), ..*self }
     }
 
     // With the memory that is there.
     fn clone_from(&mut self, source: &Self) {
-        (self.progress, self.speed) = (source.progress, source.speed);
+        (self.progress, self.speed, self.is_given_up) = (source.progress, source.speed, source.is_given_up);
         self.offset.clone_from(&source.offset);
         self.postures.clone_from(&source.postures);
         self.speeds.clone_from(&source.speeds);

@@ -56,6 +56,14 @@ pub(super) fn advance(line: &mut Line, can: &[Capability], period: f64) -> bool 
     line.progress >= 1.0
 }
 
+/// Returns the time of a known line at its speeds, s: infinite if the joints must stop on the way.
+pub(super) fn time(line: &Line) -> f64 {
+    // The line begins at rest.
+    let last = line.speeds.len() - 1;
+    let speed = |i: usize| if i == 0 { 0.0 } else { line.speeds[i] };
+    (0..last).map(|i| 2.0 * INTERVAL / (speed(i) + speed(i + 1))).sum()
+}
+
 /// Returns q(σ) of joint j at a place of the known line.
 pub(super) fn position_at(line: &Line, place: f64, j: usize) -> f64 {
     let (i, part) = split(place, line.postures.len());

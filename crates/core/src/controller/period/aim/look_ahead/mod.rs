@@ -18,9 +18,9 @@ use self::plan::Plan;
 pub(super) use self::scene::Scene;
 use self::target_posture::{NEAR, Place, TargetPosture};
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{LINE_INTERVALS, TIMES_AHEAD, VirtualArm, has_jumped};
+use crate::controller::state::{LINE_INTERVALS, Line, TIMES_AHEAD, VirtualArm, has_jumped};
 use crate::law::MotionPath;
-use crate::linalg::Vector;
+use crate::linalg::{Vector, dot};
 
 /// Distance of the virtual arm from its targets that tells that they have jumped, m and rad together: they move less in a period.
 const FAR: f64 = 0.1;
@@ -49,6 +49,9 @@ const CORRECTION: f64 = 0.3;
 
 /// Distance from the targets at which a line ends, m and rad together.
 const END: f64 = 1e-4;
+
+/// A line is slow if it takes longer than this many times the way of the joints from its start to its end, and this time more, s.
+const SLOW: (f64, f64) = (3.0, 0.5);
 
 /// The virtual arm and the memory in which it is computed.
 #[derive(Debug)]
@@ -82,9 +85,11 @@ impl LookAhead {
     /// Moves the virtual arm on to this period, and returns the velocities of the joints that follow it (n); `None` if it jumps.
     pub fn update(&mut self, scene: Scene) -> Option<&Vector> {
         self.recall(scene);
-        if scene.config.path() == Some(MotionPath::Straight) && self.is_on_line(scene) {
-            self.follow_line(scene);
-            return Some(&self.velocity);
+        if scene.config.path() == Some(MotionPath::Straight) {
+            self.update_line(scene);
+            if self.arm.line.is_some() {
+                return self.follow_line(scene).then_some(&self.velocity);
+            }
         }
         let Self { arm, posture, velocity, .. } = self;
         velocity.as_mut_slice().copy_from_slice(&arm.postures[0]);
@@ -114,57 +119,81 @@ impl LookAhead {
         }
     }
 
-    /// Returns whether the virtual arm moves on a line, which begins when resting targets have jumped.
-    fn is_on_line(&mut self, scene: Scene) -> bool {
+    /// Begins a line when resting targets have jumped, and ends one that is given up when the arm has arrived.
+    fn update_line(&mut self, scene: Scene) {
         let Self { arm: VirtualArm { postures, line }, posture, .. } = self;
         let (least, speed) = LINE;
-        let now = &postures[0];
+        let far = least + speed * scene.config.period_s;
+        let is_given_up = line.as_ref().is_some_and(|line| line.is_given_up);
+        if is_given_up {
+            postures[0].copy_from_slice(scene.position());
+        }
         let error = match &*line {
-            Some(line) => posture.measure(scene, place_on(&line.offset, line.progress), now),
-            None => posture.measure(scene, Place::target(TIMES_AHEAD[0]), now),
+            Some(line) if is_given_up => posture.measure(scene, place_on(&line.offset, 0.0), &line.postures[0]),
+            Some(line) => posture.measure(scene, place_on(&line.offset, line.progress), &postures[0]),
+            None => posture.measure(scene, Place::target(TIMES_AHEAD[0]), &postures[0]),
         };
         let rests = posture.target_rests(scene, TIMES_AHEAD[TIMES_AHEAD.len() - 1]);
-        if rests && error > least + speed * scene.config.period_s {
-            line.get_or_insert_default().start(now, posture.measured());
+        let has_changed = error > far;
+        if is_given_up
+            && (has_changed || !rests || posture.measure(scene, Place::target(TIMES_AHEAD[0]), &postures[0]) < far)
+        {
+            *line = None;
         }
-        line.is_some()
+        if rests && has_changed {
+            posture.measure(scene, Place::target(TIMES_AHEAD[0]), &postures[0]);
+            line.get_or_insert_default().start(&postures[0], posture.measured());
+        }
     }
 
-    /// Moves the virtual arm on along its line, and computes the velocities of the joints that follow it.
-    fn follow_line(&mut self, scene: Scene) {
+    /// Moves the virtual arm on along its line, and computes the velocities of the joints that follow it; returns whether there is a line.
+    fn follow_line(&mut self, scene: Scene) -> bool {
+        self.extend_line(scene);
         let Self { arm, posture, can, velocity, .. } = self;
-        let VirtualArm { postures, line: Some(line) } = arm else { return };
-        can.clear();
-        can.extend((0..velocity.len()).map(|j| capability(scene, j)));
-        if line.postures.len() <= LINE_INTERVALS {
-            for _ in 0..PLACES.min(LINE_INTERVALS + 1 - line.postures.len()) {
-                let place = line.postures.len() as f64 / LINE_INTERVALS as f64;
-                let mut next = line.postures[line.postures.len() - 1].clone();
-                posture.approach(scene, place_on(&line.offset, place), &mut next, STEPS_TO_PLACE, None);
-                line.postures.push(next);
-            }
-            line_speed::update_speeds(line, can);
+        let VirtualArm { postures, line: Some(line) } = arm else { return false };
+        if line.is_given_up {
+            return false;
         }
         let before = line.progress;
         let ends = line_speed::advance(line, can, scene.config.period_s);
         let (now, later) = postures.split_at_mut(1);
-        let next = &mut later[0];
-        for (j, (next, now)) in next.iter_mut().zip(&now[0]).enumerate() {
-            let way = line_speed::position_at(line, line.progress, j) - line_speed::position_at(line, before, j);
-            *next = now + way;
+        let (now, next) = (&mut now[0], &mut later[0]);
+        for (j, (next, now)) in next.iter_mut().zip(&*now).enumerate() {
+            *next = now + line_speed::position_at(line, line.progress, j) - line_speed::position_at(line, before, j);
         }
         posture.approach(scene, place_on(&line.offset, line.progress), next, STEPS[1].clone(), None);
         for (j, velocity) in velocity.iter_mut().enumerate() {
             let joint = joint(scene, j);
-            let rate = (next[j] - now[0][j]) / joint.period;
-            *velocity = joint.tracking(now[0][j], rate, CORRECTION * joint.can.acceleration);
+            let rate = (next[j] - now[j]) / joint.period;
+            *velocity = joint.tracking(now[j], rate, CORRECTION * joint.can.acceleration);
         }
-        now[0].copy_from_slice(next);
-        let length = line.offset.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        if ends || (1.0 - line.progress) * length < END {
+        now.copy_from_slice(next);
+        if ends || (1.0 - line.progress) * dot(&line.offset, &line.offset).sqrt() < END {
             arm.line = None;
         }
         arm.stand_at_first();
+        true
+    }
+
+    /// Computes further places of the line, and how fast the joints can move along it.
+    fn extend_line(&mut self, scene: Scene) {
+        let Self { arm, posture, can, velocity, .. } = self;
+        let Some(line) = &mut arm.line else { return };
+        can.clear();
+        can.extend((0..velocity.len()).map(|j| capability(scene, j)));
+        let first = line.postures.len();
+        if first > LINE_INTERVALS || line.is_given_up {
+            return;
+        }
+        for i in first..(first + PLACES).min(LINE_INTERVALS + 1) {
+            let mut next = line.postures[i - 1].clone();
+            let place = place_on(&line.offset, i as f64 / LINE_INTERVALS as f64);
+            let [_, last] = posture.approach(scene, place, &mut next, STEPS_TO_PLACE, None);
+            line.is_given_up |= last > NEAR;
+            line.postures.push(next);
+        }
+        line_speed::update_speeds(line, can);
+        line.is_given_up |= line.postures.len() > LINE_INTERVALS && is_slow(line, can);
     }
 
     /// Moves the later postures towards their targets; returns whether the targets rest.
@@ -207,6 +236,14 @@ impl LookAhead {
             *velocity = if is_known { joint.following(&ahead, plan) } else { joint.predicting(&ahead) };
         }
     }
+}
+
+/// Returns whether a line that is known to its end is slow: a detour of the joints, as near a singular posture.
+fn is_slow(line: &Line, can: &[Capability]) -> bool {
+    let (factor, more) = SLOW;
+    let [start, end] = [&line.postures[0], &line.postures[LINE_INTERVALS]];
+    let way = |j: usize| arrival::time(end[j] - start[j], can[j]);
+    line_speed::time(line) > factor * (0..can.len()).map(way).fold(0.0, f64::max) + more
 }
 
 /// Returns a place on the line to resting targets.
