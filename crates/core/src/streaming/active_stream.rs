@@ -1,5 +1,6 @@
 //! Streams of targets in one period.
 
+use super::reference::Reference;
 use super::stream::{Ignored, TargetState, TargetStream};
 use super::value::{Quantity, TargetValue};
 use crate::law::TaskVector;
@@ -57,14 +58,11 @@ impl ActiveStream {
         (self.stream.task, self.stream.quantity)
     }
 
-    /// Returns the stream with the target of a later time, s: the one that was given ahead, or else the target of `now` moved on.
+    /// Returns a stream with the target of a later time, s: the one that was given ahead, or else the target of `now` moved on.
     pub fn at(&self, now: f64, time_s: f64) -> Self {
-        let mut later = self.clone();
-        later.stream.reference.value = self
-            .stream
-            .ahead_at(time_s)
-            .unwrap_or_else(|| self.stream.reference.value.plus(&self.motion(time_s - now)));
-        later
+        let TargetStream { task, quantity, reference, .. } = &self.stream;
+        let value = self.stream.ahead_at(time_s).unwrap_or_else(|| reference.value.plus(&self.motion(time_s - now)));
+        Self::new(TargetStream::new(*task, *quantity, Reference { value, velocity: reference.velocity.clone() }))
     }
 
     /// Returns how far the target moves on in some time, s: with an acceleration that decays, and from [`ACTING`] on with a velocity that

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
-use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig};
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Stepper, TaskConfig};
 use revprio_core::law::{Law, MotionPath, Point, PositionLaw, Profile};
 use revprio_core::limits::Drive;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
@@ -13,7 +13,8 @@ use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{Random, position, task, tool_rows};
-use super::drives::LaggingArm;
+use super::drives::{LaggingArm, OVERSHOOT};
+use super::rest::{any_method, any_posture, any_robot, any_target, any_tasks};
 
 /// T, s.
 const PERIOD: f64 = 8e-3;
@@ -46,6 +47,8 @@ struct Run {
     end: Vec<f64>,
     /// Largest shares of the limits of velocity and acceleration.
     shares: [f64; 2],
+    /// Time of each step of the controller, µs.
+    times: Vec<f64>,
 }
 
 /// How the controller learns where the target of a figure is.
@@ -86,7 +89,10 @@ impl Arm {
             measured.targets = targets(time_s);
             let tool = self.tool(&arm.q);
             run.tool.push((time_s, tool.translation.vector, orientation_error(&tool.rotation, &upright).norm()));
-            let command = stepper.step(&mut memory, &measured).unwrap().resolution.joint_velocity.as_slice().to_vec();
+            let begin = std::time::Instant::now();
+            let command = stepper.step(&mut memory, &measured).unwrap();
+            run.times.push(1e6 * begin.elapsed().as_secs_f64());
+            let command = command.resolution.joint_velocity.as_slice().to_vec();
             for ((u, before), joint) in command.iter().zip(&last).zip(self.robot.joints()) {
                 let shares = [u / joint.limits.velocity, (u - before) / PERIOD / joint.limits.acceleration];
                 run.shares = [0, 1].map(|i| run.shares[i].max(shares[i].abs()));
@@ -268,6 +274,8 @@ struct Followed {
     /// Largest tilt, rad.
     tilt: f64,
     shares: [f64; 2],
+    /// Time of each step of the controller, µs.
+    times: Vec<f64>,
 }
 
 fn follow(arm: &Arm, figure: &Figure, source: Source, law: Law) -> Followed {
@@ -299,11 +307,180 @@ fn follow(arm: &Arm, figure: &Figure, source: Source, law: Law) -> Followed {
         largest: late().map(|(error, _)| error).fold(0.0, f64::max),
         tilt: late().map(|(_, tilt)| tilt).fold(0.0, f64::max),
         shares: run.shares,
+        times: run.times.clone(),
     }
 }
 
 fn looking_ahead(path: MotionPath) -> Law {
     Law::Position(PositionLaw::new(vec![10.0; 6]).unwrap().along(path))
+}
+
+const PATHS: [MotionPath; 2] = [MotionPath::Joint, MotionPath::Straight];
+
+/// How far a step may pass its target: 2 mm or 1 %, m.
+fn allowed_overshoot(way: [f64; 3]) -> f64 {
+    (0.01 * Vector3::from(way).norm()).max(2e-3)
+}
+
+/// Largest share of a limit, with rounding.
+const WITHIN: f64 = 1.0 + 1e-9;
+
+/// The time is a multiple of the period, so one period is added to the trapezoid.
+#[test]
+fn steps_on_the_joint_path_take_no_longer_than_the_slowest_joint() {
+    for arm in &Arm::all() {
+        for way in STEPS {
+            let found = step(arm, way, looking_ahead(MotionPath::Joint));
+            let slowest = found.arrived / found.ratio;
+            assert!(found.arrived <= slowest + PERIOD, "{} {way:?}: {found:?}", arm.robot.name());
+            assert!(found.overshoot <= allowed_overshoot(way), "{} {way:?}: {found:?}", arm.robot.name());
+            assert!(found.shares.iter().all(|share| *share <= WITHIN), "{} {way:?}: {found:?}", arm.robot.name());
+        }
+    }
+}
+
+#[test]
+fn steps_on_the_straight_path_stay_on_the_line_and_take_little_longer_than_its_best_time() {
+    for arm in &Arm::all() {
+        for way in STEPS {
+            let found = step(arm, way, looking_ahead(MotionPath::Straight));
+            let best = best_line::time(arm, way.into());
+            assert!(found.arrived <= 1.2 * best, "{} {way:?}: {found:?}, best {best} s", arm.robot.name());
+            assert!(found.off_line <= 6e-3, "{} {way:?}: {found:?}", arm.robot.name());
+            assert!(found.overshoot <= allowed_overshoot(way), "{} {way:?}: {found:?}", arm.robot.name());
+            assert!(found.shares.iter().all(|share| *share <= WITHIN), "{} {way:?}: {found:?}", arm.robot.name());
+        }
+    }
+}
+
+/// Bounds of the RMS distance at two speeds, m: with foresight, and predicted.
+#[test]
+fn figures_are_followed_with_foresight_and_with_a_prediction() {
+    let bounds = [(0.5, Source::Profile, 2e-3), (0.5, Source::Ahead, 2e-3), (0.5, Source::Streamed, 5e-3)];
+    for (speed, source, bound) in bounds.into_iter().chain([(0.8, Source::Profile, 15e-3), (0.8, Source::Ahead, 15e-3)])
+    {
+        for arm in &Arm::all() {
+            for seed in 0..3 {
+                let found = follow(arm, &Figure::new(speed, seed), source, looking_ahead(PATHS[0]));
+                let name = arm.robot.name();
+                assert!(found.rms <= bound, "{name}, {speed}, {source:?}, seed {seed}: {found:?}");
+                assert!(found.shares.iter().all(|share| *share <= WITHIN), "{name}, {speed}, {source:?}: {found:?}");
+            }
+        }
+    }
+}
+
+/// The joints cannot follow such targets. The tool stays in the region of the figure, and the limits are kept.
+#[test]
+fn no_speed_of_a_target_makes_the_arm_wild() {
+    for speed in [0.8, 1.3, 2.5] {
+        for arm in &Arm::all() {
+            for source in [Source::Profile, Source::Streamed] {
+                let found = follow(arm, &Figure::new(speed, 0), source, looking_ahead(PATHS[0]));
+                let name = arm.robot.name();
+                assert!(found.largest <= 0.6 && found.tilt <= 1.0, "{name}, {speed}, {source:?}: {found:?}");
+                assert!(found.shares.iter().all(|share| *share <= WITHIN), "{name}, {speed}, {source:?}: {found:?}");
+            }
+        }
+    }
+}
+
+/// What the virtual arm remembers is in the memory: a new stepper in each period computes the same bits.
+#[test]
+fn a_new_stepper_in_each_period_computes_the_same_commands() {
+    let arm = &Arm::all()[1];
+    for path in PATHS {
+        let mut target = arm.tool(&arm.start);
+        target.translation.vector += Vector3::new(-0.1, 0.3, 0.1);
+        let rows = TaskRows::Tool(ToolRows { target_pose: TargetPose::Fixed(target), ..tool_rows(&AXES) });
+        let tasks = vec![TaskConfig { rows, ..task(&AXES, looking_ahead(path)) }];
+        let config = ControllerConfig { drive: DRIVE, ..ControllerConfig::new(Arc::clone(&arm.robot), PERIOD, tasks) };
+        let controller = Controller::new(config).unwrap();
+        let mut lagging = LaggingArm::at_rest(&arm.start, DRIVE, 1e-4, 1);
+        let mut stepper = Stepper::new(controller.clone()).unwrap();
+        let (mut memory, mut other) = (None, None);
+        for i in 0..100 {
+            let measured = lagging.measure(f64::from(i) * PERIOD);
+            let command = stepper.step(&mut memory, &measured).unwrap().clone();
+            let again = Stepper::new(controller.clone()).unwrap().step(&mut other, &measured).unwrap().clone();
+            assert_eq!((&command, &memory), (&again, &other), "{path:?}, period {i}");
+            lagging.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+        }
+    }
+}
+
+#[test]
+fn tasks_that_look_ahead_and_others_do_not_mix() {
+    let arm = &Arm::all()[1];
+    let with = |path: Option<MotionPath>, name: &str| {
+        let law = PositionLaw::new(vec![5.0; 6]).unwrap();
+        let law = Law::Position(path.map_or(law.clone(), |path| law.along(path)));
+        TaskConfig { name: name.to_owned(), ..task(&AXES, law) }
+    };
+    let refused = |paths: [Option<MotionPath>; 2]| {
+        let tasks = vec![with(paths[0], "a"), with(paths[1], "b")];
+        Controller::new(ControllerConfig::new(Arc::clone(&arm.robot), PERIOD, tasks)).err()
+    };
+    assert_eq!(refused([Some(PATHS[0]), None]), Some(ConfigError::Path { task: 1 }));
+    assert_eq!(refused([None, Some(PATHS[1])]), Some(ConfigError::Path { task: 0 }));
+    assert_eq!(refused([Some(PATHS[0]), Some(PATHS[1])]), Some(ConfigError::Path { task: 1 }));
+    assert_eq!(refused([Some(PATHS[1]), Some(PATHS[1])]), None);
+}
+
+/// Random robots, laws, methods, drives, periods and noise; targets that jump every 0.7 s, often out of reach.
+#[test]
+fn limits_are_kept_whatever_the_targets_do() {
+    let mut outside = 0.0_f64;
+    for seed in 0..16 {
+        let mut random = Random(0xfa57_0000 + seed);
+        let robot = any_robot(&mut random);
+        let start = any_posture(&robot, 0.9, &mut random);
+        let period_s = random.pick(&[1e-3, 4e-3, 8e-3, 1e-2]);
+        let path = random.pick(&PATHS);
+        let mut tasks = any_tasks(&robot, any_target(&robot, &mut random), &mut random);
+        for task in &mut tasks {
+            if let Law::Position(law) = &task.law {
+                task.law = Law::Position(law.clone().along(path));
+            }
+            if let TaskRows::Tool(rows) = &mut task.rows {
+                let point = |i: u32| {
+                    let value = (0..rows.axes.len()).map(|_| 0.5 * random.signed()).collect();
+                    Point { time_s: 0.7 * f64::from(i), value }
+                };
+                rows.target_displacement = Some(Profile::steps((0..6).map(point).collect()).unwrap());
+            }
+        }
+        let stated = Drive { lag_s: random.pick(&[0.0, 0.01, 0.03]), delay_periods: random.below(3) };
+        let drive = Drive { lag_s: stated.lag_s * random.pick(&[0.5, 1.0]), ..stated };
+        let noise = random.pick(&[0.0, 1e-4]);
+        let method = any_method(&mut random);
+        let config =
+            ControllerConfig { drive: stated, method, ..ControllerConfig::new(Arc::clone(&robot), period_s, tasks) };
+        let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let mut arm = LaggingArm::at_rest(&start, drive, noise, seed);
+        let (mut memory, mut last, mut time_s) = (None, vec![0.0; start.len()], 0.0);
+        while time_s < 2.5 {
+            let command = stepper.step(&mut memory, &arm.measure(time_s)).unwrap().clone();
+            let u = command.resolution.joint_velocity.as_slice();
+            for (j, joint) in robot.joints().iter().enumerate() {
+                let limits = &joint.limits;
+                assert!(u[j].abs() <= WITHIN * limits.velocity, "seed {seed}, joint {j}: {} rad/s", u[j]);
+                let change = (u[j] - last[j]).abs();
+                let is_excepted = command.limit_conflicts.contains(&j);
+                assert!(
+                    is_excepted || change <= limits.acceleration * period_s + 1e-9,
+                    "seed {seed}, joint {j}: {change}"
+                );
+            }
+            arm.follow(u, period_s);
+            last.copy_from_slice(u);
+            time_s += period_s;
+            for (q, joint) in arm.q.iter().zip(robot.joints()) {
+                outside = outside.max(joint.limits.lower - q).max(q - joint.limits.upper);
+            }
+        }
+    }
+    assert!(outside <= OVERSHOOT, "{outside}");
 }
 
 /// Prints steps and figures of a law.
@@ -328,7 +505,7 @@ fn print(name: &str, law: impl Fn() -> Law) {
             for seed in 0..3 {
                 let figure = Figure::new(speed, seed);
                 for source in [Source::Profile, Source::Ahead, Source::Streamed] {
-                    let Followed { rms, largest, tilt, shares } = follow(arm, &figure, source, law());
+                    let Followed { rms, largest, tilt, shares, .. } = follow(arm, &figure, source, law());
                     println!(
                         "{name} {robot} figure {:.2} m/s seed {seed} {source:?}: RMS {:.1} mm, largest {:.1} mm, tilt {tilt:.3} rad, V {:.2} A {:.2}",
                         figure.largest_speed(),
@@ -350,4 +527,42 @@ fn fast_targets_table() {
     print("today", || position(6, 10.0));
     print("joint", || looking_ahead(MotionPath::Joint));
     print("straight", || looking_ahead(MotionPath::Straight));
+}
+
+/// Prints the time of a period for a resting target, for steps and for figures.
+#[test]
+#[ignore = "asserts nothing; prints times of docs/fast.md"]
+fn period_times() {
+    for arm in &Arm::all() {
+        let name = arm.robot.name();
+        let law = |path: Option<MotionPath>| path.map_or_else(|| position(6, 10.0), looking_ahead);
+        for path in [None, Some(PATHS[0]), Some(PATHS[1])] {
+            let print = |what: &str, mut times: Vec<f64>| {
+                times.sort_by(f64::total_cmp);
+                let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize];
+                println!(
+                    "{path:?} {name} {what}: {:.1} us, p99 {:.1} us, largest {:.1} us",
+                    at(0.5),
+                    at(0.99),
+                    at(1.0)
+                );
+            };
+            let start = arm.tool(&arm.start);
+            let to = |way: Vector3<f64>| {
+                let mut target = start;
+                target.translation.vector += way;
+                let rows = ToolRows { target_pose: TargetPose::Fixed(target), ..tool_rows(&AXES) };
+                TaskConfig { rows: TaskRows::Tool(rows), ..task(&AXES, law(path)) }
+            };
+            print("rest", arm.run(to(Vector3::zeros()), 8.0, |_| Vec::new()).times);
+            let steps = (0..20).flat_map(|_| arm.run(to(Vector3::new(-0.1, 0.3, 0.1)), 0.7, |_| Vec::new()).times);
+            print("step", steps.collect());
+            for source in [Source::Profile, Source::Ahead, Source::Streamed] {
+                for speed in [0.5, 0.8] {
+                    let found = follow(arm, &Figure::new(speed, 0), source, law(path));
+                    print(&format!("{source:?} {speed}"), found.times);
+                }
+            }
+        }
+    }
 }

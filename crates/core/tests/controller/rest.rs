@@ -118,25 +118,25 @@ impl fmt::Display for Loop {
     }
 }
 
-fn any_robot(random: &mut Random) -> Arc<RobotModel> {
+pub(super) fn any_robot(random: &mut Random) -> Arc<RobotModel> {
     let robot = random.pick(built_in());
     if random.one_in(6) { Arc::new(with_jerk(&robot, random.pick(&[0.02, 0.05, 0.1]))) } else { robot }
 }
 
-fn any_posture(robot: &RobotModel, share: f64, random: &mut Random) -> Vec<f64> {
+pub(super) fn any_posture(robot: &RobotModel, share: f64, random: &mut Random) -> Vec<f64> {
     let limits = robot.joints().iter().map(|joint| joint.limits);
     let range = |l: revprio_robot::JointLimits| (l.lower.max(-3.0), l.upper.min(3.0));
     limits.map(range).map(|(l, u)| f64::midpoint(l, u) + 0.5 * share * (u - l) * random.signed()).collect()
 }
 
 /// Returns the pose of a random posture, half of the time moved away from the base.
-fn any_target(robot: &RobotModel, random: &mut Random) -> IsometryMatrix3<f64> {
+pub(super) fn any_target(robot: &RobotModel, random: &mut Random) -> IsometryMatrix3<f64> {
     let mut pose = *Configuration::new(robot, &any_posture(robot, 0.9, random)).unwrap().tool_pose();
     pose.translation.vector *= random.pick(&[1.0, 1.0, 1.3, 1.8]);
     pose
 }
 
-fn any_method(random: &mut Random) -> Method {
+pub(super) fn any_method(random: &mut Random) -> Method {
     random.pick(&[
         Method::ReversePriority,
         Method::ReversePriority,
@@ -150,7 +150,7 @@ fn any_method(random: &mut Random) -> Method {
 }
 
 /// Returns one to five tasks that follow positions.
-fn any_tasks(robot: &RobotModel, target: IsometryMatrix3<f64>, random: &mut Random) -> Vec<TaskConfig> {
+pub(super) fn any_tasks(robot: &RobotModel, target: IsometryMatrix3<f64>, random: &mut Random) -> Vec<TaskConfig> {
     let is_planar = robot.joint_count() < 6;
     let towards = |axes: &[Axis], random: &mut Random| {
         let rows = TaskRows::Tool(ToolRows { target_pose: TargetPose::Fixed(target), ..tool_rows(axes) });
@@ -362,6 +362,16 @@ fn loops_that_never_rested_come_to_rest() {
         run_all(&[65, 113, 134, 254, 304, 387, 411, 460, 510, 627, 645, 807, 836, 1009, 1313, 1350, 1399, 1404], None);
     for found in &all {
         assert!(matches!(found.kind, Kind::Rests | Kind::Moves), "seed {}: {}", found.seed, found.description);
+    }
+}
+
+/// The virtual arm comes to rest by itself. A line that leads out of reach is given up.
+#[test]
+fn loops_that_look_ahead_come_to_rest() {
+    for path in [MotionPath::Joint, MotionPath::Straight] {
+        for found in &run_all(&[3, 11, 62, 65, 70, 91, 97, 102, 113, 115, 254, 304], Some(path)) {
+            assert_eq!(found.kind, Kind::Rests, "{path:?}, seed {}: {}", found.seed, found.description);
+        }
     }
 }
 
