@@ -53,7 +53,10 @@ pub(super) fn record<'a>(
         command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
     }
     if let Some(ahead) = virtual_arm {
-        memory.virtual_arm.get_or_insert_default().copy_from(ahead);
+        match &mut memory.virtual_arm {
+            Some(known) => known.copy_from(ahead),
+            None => memory.virtual_arm = Some(ahead.clone()),
+        }
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);

@@ -28,4 +28,5 @@ pub use stall::{Stall, StalledJoint};
 pub use step_error::StepError;
 pub use stuck_task::{Obstacle, StuckTask};
 pub use task_target::TaskTarget;
+pub(super) use virtual_arm::FIRST_LATER;
 pub use virtual_arm::{TIMES_AHEAD, VirtualArm};

@@ -65,7 +65,7 @@ impl Joint {
     }
 
     /// Returns the velocity that follows a virtual joint whose positions at [`TIMES_AHEAD`] are predicted: only the first ones count.
-    pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+    pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()], _: &Plan) -> f64 {
         let acceleration = self.can.acceleration;
         let needed = acceleration_now(ahead).abs().min(PREDICTED * acceleration);
         self.tracking(ahead[0], velocity_now(ahead, 0.5 * self.period), acceleration - needed)

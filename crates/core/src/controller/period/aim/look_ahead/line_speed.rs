@@ -17,7 +17,7 @@ const LINE_SHARE: f64 = 0.95;
 const SPEED_SHARE: f64 = 0.97;
 
 /// Steps of the bisections: each halves the error.
-const BISECTIONS: usize = 40;
+const BISECTIONS: usize = 20;
 
 /// Δσ.
 const INTERVAL: f64 = 1.0 / LINE_INTERVALS as f64;

@@ -18,7 +18,7 @@ use self::plan::Plan;
 pub(super) use self::scene::Scene;
 use self::target_posture::{NEAR, Place, TargetPosture};
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{LINE_INTERVALS, Line, TIMES_AHEAD, VirtualArm, has_jumped};
+use crate::controller::state::{FIRST_LATER, LINE_INTERVALS, Line, TIMES_AHEAD, VirtualArm, has_jumped};
 use crate::law::MotionPath;
 use crate::linalg::{Vector, dot};
 
@@ -29,7 +29,10 @@ const FAR: f64 = 0.1;
 const STEPS: [RangeInclusive<usize>; 2] = [1..=8, 1..=4];
 
 /// The same for a place of a line, where the motion in the null space must have ended.
-const STEPS_TO_PLACE: RangeInclusive<usize> = 4..=6;
+const STEPS_TO_PLACE: RangeInclusive<usize> = 3..=5;
+
+/// Number of the later postures that are computed in a period.
+const TURNS: usize = 2;
 
 /// Without a jump of the targets, the virtual arm jumps if a joint moves by more than this many periods at full speed, and a little
 /// more, rad or m.
@@ -42,7 +45,7 @@ const REACH: f64 = 2.0;
 const LINE: (f64, f64) = (0.005, 1.0);
 
 /// Places of a line that are computed in one period.
-const PLACES: usize = 4;
+const PLACES: usize = 2;
 
 /// Share of the acceleration limit with which joints return to the line.
 const CORRECTION: f64 = 0.3;
@@ -91,20 +94,28 @@ impl LookAhead {
                 return self.follow_line(scene).then_some(&self.velocity);
             }
         }
+        self.arm.advance(scene.config.period_s);
         let Self { arm, posture, velocity, .. } = self;
         velocity.as_mut_slice().copy_from_slice(&arm.postures[0]);
         let [first, last] =
             posture.approach(scene, Place::target(TIMES_AHEAD[0]), &mut arm.postures[0], STEPS[0].clone(), None);
-        let arrives = first > FAR && last < NEAR;
-        if !arrives && jumps(velocity.as_slice(), &arm.postures[0], scene) {
-            arm.stand_at_first();
+        let has_new_target = first > FAR && last < NEAR;
+        if !has_new_target && jumps(velocity.as_slice(), &arm.postures[0], scene) {
+            arm.stand_from(1);
             return None;
         }
-        let rests = self.look_ahead(scene);
-        if rests {
-            self.arrive(scene)
+        if (1..TIMES_AHEAD.len()).all(|k| posture.same_targets(scene, [TIMES_AHEAD[0], TIMES_AHEAD[k]])) {
+            arm.stand_from(1);
+            self.arrive(scene);
+        } else if scene.knows_targets() {
+            let turns = self.arm.next..self.arm.next + TURNS;
+            self.look_ahead(scene, |k| k < FIRST_LATER || has_new_target || turns.contains(&k));
+            self.arm.next = if turns.end < TIMES_AHEAD.len() { turns.end } else { FIRST_LATER };
+            self.follow(scene, Joint::following);
         } else {
-            self.follow(scene)
+            self.look_ahead(scene, |k| k < FIRST_LATER);
+            self.arm.stand_from(FIRST_LATER);
+            self.follow(scene, Joint::predicting);
         }
         Some(&self.velocity)
     }
@@ -121,7 +132,7 @@ impl LookAhead {
 
     /// Begins a line when resting targets have jumped, and ends one that is given up when the arm has arrived.
     fn update_line(&mut self, scene: Scene) {
-        let Self { arm: VirtualArm { postures, line }, posture, .. } = self;
+        let Self { arm: VirtualArm { postures, line, .. }, posture, .. } = self;
         let (least, speed) = LINE;
         let far = least + speed * scene.config.period_s;
         let is_given_up = line.as_ref().is_some_and(|line| line.is_given_up);
@@ -133,7 +144,7 @@ impl LookAhead {
             Some(line) => posture.measure(scene, place_on(&line.offset, line.progress), &postures[0]),
             None => posture.measure(scene, Place::target(TIMES_AHEAD[0]), &postures[0]),
         };
-        let rests = posture.target_rests(scene, TIMES_AHEAD[TIMES_AHEAD.len() - 1]);
+        let rests = posture.same_targets(scene, [TIMES_AHEAD[0], TIMES_AHEAD[TIMES_AHEAD.len() - 1]]);
         let has_changed = error > far;
         if is_given_up
             && (has_changed || !rests || posture.measure(scene, Place::target(TIMES_AHEAD[0]), &postures[0]) < far)
@@ -150,7 +161,7 @@ impl LookAhead {
     fn follow_line(&mut self, scene: Scene) -> bool {
         self.extend_line(scene);
         let Self { arm, posture, can, velocity, .. } = self;
-        let VirtualArm { postures, line: Some(line) } = arm else { return false };
+        let VirtualArm { postures, line: Some(line), .. } = arm else { return false };
         if line.is_given_up {
             return false;
         }
@@ -171,7 +182,7 @@ impl LookAhead {
         if ends || (1.0 - line.progress) * dot(&line.offset, &line.offset).sqrt() < END {
             arm.line = None;
         }
-        arm.stand_at_first();
+        arm.stand_from(1);
         true
     }
 
@@ -186,7 +197,9 @@ impl LookAhead {
             return;
         }
         for i in first..(first + PLACES).min(LINE_INTERVALS + 1) {
-            let mut next = line.postures[i - 1].clone();
+            let last = &line.postures[i - 1];
+            let before = line.postures.get(i.wrapping_sub(2)).unwrap_or(last);
+            let mut next: Vec<f64> = last.iter().zip(before).map(|(last, before)| 2.0 * last - before).collect();
             let place = place_on(&line.offset, i as f64 / LINE_INTERVALS as f64);
             let [_, last] = posture.approach(scene, place, &mut next, STEPS_TO_PLACE, None);
             line.is_given_up |= last > NEAR;
@@ -196,21 +209,14 @@ impl LookAhead {
         line.is_given_up |= line.postures.len() > LINE_INTERVALS && is_slow(line, can);
     }
 
-    /// Moves the later postures towards their targets; returns whether the targets rest.
-    fn look_ahead(&mut self, scene: Scene) -> bool {
+    /// Moves the postures of some times ahead towards their targets.
+    fn look_ahead(&mut self, scene: Scene, is_due: impl Fn(usize) -> bool) {
         let Self { arm, posture, .. } = self;
-        posture.measure(scene, Place::target(TIMES_AHEAD[0]), &arm.postures[0]);
-        let resting = TIMES_AHEAD.map(|after| posture.target_rests(scene, after));
-        for k in 1..TIMES_AHEAD.len() {
+        for k in (1..TIMES_AHEAD.len()).filter(|k| is_due(*k)) {
             let (before, later) = arm.postures.split_at_mut(k);
-            if resting[k] {
-                later[0].copy_from_slice(&before[0]);
-            } else {
-                let restart = Some((FAR, before[k - 1].as_slice()));
-                posture.approach(scene, Place::target(TIMES_AHEAD[k]), &mut later[0], STEPS[1].clone(), restart);
-            }
+            let restart = Some((FAR, before[k - 1].as_slice()));
+            posture.approach(scene, Place::target(TIMES_AHEAD[k]), &mut later[0], STEPS[1].clone(), restart);
         }
-        resting.into_iter().all(|rests| rests)
     }
 
     /// Computes the velocities to a virtual arm that rests.
@@ -223,9 +229,9 @@ impl LookAhead {
         }
     }
 
-    /// Computes the velocities that follow a virtual arm that moves.
-    fn follow(&mut self, scene: Scene) {
-        let (is_known, Self { arm, plan, velocity, .. }) = (scene.knows_targets(), self);
+    /// Computes the velocities that follow a virtual arm that moves, by a law of each joint.
+    fn follow(&mut self, scene: Scene, law: impl Fn(&Joint, &[f64; TIMES_AHEAD.len()], &Plan) -> f64) {
+        let Self { arm, plan, velocity, .. } = self;
         for (j, velocity) in velocity.iter_mut().enumerate() {
             let (joint, first) = (joint(scene, j), arm.postures[0][j]);
             // A posture on another branch is no place to plan for.
@@ -233,7 +239,7 @@ impl LookAhead {
                 let reach = REACH * joint.can.speed * TIMES_AHEAD[k];
                 arm.postures[k][j].clamp(first - reach, first + reach)
             });
-            *velocity = if is_known { joint.following(&ahead, plan) } else { joint.predicting(&ahead) };
+            *velocity = law(&joint, &ahead, plan);
         }
     }
 }

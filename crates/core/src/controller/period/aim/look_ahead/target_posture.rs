@@ -9,8 +9,8 @@ use super::scene::Scene;
 use crate::controller::config::{ControllerConfig, NullSpaceMotion};
 use crate::linalg::{DampingFactor as _, Matrix, Vector};
 
-/// Distance from the targets (m and rad together) from which on one step is exact enough: the next error is about its square.
-pub(super) const NEAR: f64 = 1e-3;
+/// Distance from the targets (m and rad together) from which on one step is exact enough: the next error is some 10⁻⁵.
+pub(super) const NEAR: f64 = 3e-3;
 
 /// Difference of displacements that counts as none, m or rad.
 const SAME: f64 = 1e-10;
@@ -120,15 +120,12 @@ impl TargetPosture {
         &self.measured
     }
 
-    /// Returns whether the targets at a time ahead (s) are those at which [`Self::measure`] was called, at the same posture.
-    pub fn target_rests(&self, scene: Scene, after: f64) -> bool {
-        let at = scene.arm.later(&self.configuration, after);
-        let mut measured = self.measured.as_slice();
+    /// Returns whether the targets of two times ahead (s) are the same, as seen from the posture that was computed last.
+    pub fn same_targets(&self, scene: Scene, times: [f64; 2]) -> bool {
+        let at = times.map(|after| scene.arm.later(&self.configuration, after));
         self.tasks.iter().all(|&task| {
-            let displacement = scene.displacement(task, at);
-            let (own, rest) = measured.split_at(displacement.len());
-            measured = rest;
-            displacement.iter().zip(own).all(|(a, b)| (a - b).abs() < SAME)
+            let [first, second] = at.map(|at| scene.displacement(task, at));
+            first.iter().zip(second.iter()).all(|(a, b)| (a - b).abs() < SAME)
         })
     }
 
