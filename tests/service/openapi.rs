@@ -247,6 +247,8 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     call("/v1/step", "step_inequality");
     call("/v1/step", "step_again");
     call("/v1/step", "step_targets");
+    call("/v1/step", "step_ahead");
+    call("/v1/step", "step_straight");
     call("/v1/controllers", "controller_laws");
     let session = call("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
     call(&format!("/v1/controllers/{session}/step"), "state");

@@ -105,6 +105,7 @@ fn config_pointer(error: &ConfigError) -> String {
             format!("/tasks/{task}/streaming/{}", source.field())
         }
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
+        ConfigError::Path { task } => format!("/tasks/{task}/law"),
         ConfigError::Limits { .. } => "/limits".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
@@ -122,6 +123,7 @@ fn task_field(error: &TaskConfigError) -> &'static str {
         TaskConfigError::Rows(RowsError::Joints) => "/law/joints",
         TaskConfigError::Rows(RowsError::Jacobian { .. }) => "/jacobian",
         TaskConfigError::Unstable { .. } => "/law/gain",
+        TaskConfigError::Path => "/law/path",
         TaskConfigError::Scaled => "/scale",
         TaskConfigError::Streaming(_) => "/streaming",
     }

@@ -14,6 +14,7 @@ use super::rest_memory::{rest_state, rest_state_answer};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
+use super::virtual_arm_memory::{virtual_arm, virtual_arm_answer};
 use crate::service::error::ApiError;
 use crate::service::state_rules::LastState;
 
@@ -57,6 +58,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
         progress: memory.task_progress.iter().map(progress).collect(),
         rest: memory.rest.as_ref().map(|rest| rest_state(rest, config)).transpose().inside("/rest")?,
         stalls: stalls(&memory.stalls, config)?,
+        virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm).transpose().inside("/virtual_arm")?,
         in_transition: memory.in_transition,
     })
 }
@@ -196,6 +198,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         task_progress: memory.progress.iter().map(progress_answer).collect(),
         stalls: stalls_answer(&memory.stalls, controller.config()),
         rest: memory.rest.as_ref().map(|rest| rest_state_answer(rest, controller.config())),
+        virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm_answer),
         in_transition: memory.in_transition,
     }
 }

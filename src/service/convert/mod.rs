@@ -28,6 +28,7 @@ mod target_memory;
 mod targets;
 mod task;
 mod terms;
+mod virtual_arm_memory;
 
 pub use arm::{arm_view, finite, single};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, check_control, check_interactive};

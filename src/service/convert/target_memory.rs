@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::law::TaskVector;
-use revprio_core::streaming::{Reference, Target, TargetStream, TargetValue};
+use revprio_core::streaming::{LaterTarget, Reference, Target, TargetStream, TargetValue};
 
 use super::checks::{Inside, Result, each, foreign};
 use super::numbers::{check_numbers, number};
@@ -28,6 +28,7 @@ fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<Target
         quantity: terms::quantity(stream.quantity),
         newest: sample(&stream.newest, "/newest")?,
         previous: sample(&stream.previous, "/previous")?,
+        ahead: each("/ahead", &stream.ahead, |_, later| later_target(later))?,
         reference: reference().inside("/reference")?,
         state: terms::target_state(stream.state),
     })
@@ -37,6 +38,11 @@ fn target(sample: &wire::TargetSample) -> Result<Target> {
     let velocity = sample.velocity.as_ref().map(|velocity| task_vector(velocity, "/velocity")).transpose()?;
     let value = value(sample.pose.as_ref(), sample.values.as_deref())?;
     Ok(Target { time_s: number(sample.time_s, "/time_s")?, value, velocity })
+}
+
+fn later_target(later: &wire::LaterTarget) -> Result<LaterTarget> {
+    let value = value(later.pose.as_ref(), later.values.as_deref())?;
+    Ok(LaterTarget { time_s: number(later.time_s, "/time_s")?, value })
 }
 
 fn task_vector(values: &[f64], pointer: &str) -> Result<TaskVector> {
@@ -74,9 +80,15 @@ fn answer(stream: &TargetStream, config: &ControllerConfig) -> wire::TargetStrea
         quantity: terms::quantity_answer(stream.quantity),
         newest: stream.newest.as_ref().map(sample),
         previous: stream.previous.as_ref().map(sample),
+        ahead: stream.ahead.iter().map(later_answer).collect(),
         reference: wire::TargetReference { pose, values, velocity: stream.reference.velocity.to_vec() },
         state: terms::target_state_answer(stream.state),
     }
+}
+
+fn later_answer(later: &LaterTarget) -> wire::LaterTarget {
+    let (pose, values) = value_answer(&later.value);
+    wire::LaterTarget { time_s: later.time_s, pose, values }
 }
 
 pub fn value_answer(value: &TargetValue) -> (Option<wire::Pose>, Option<Vec<f64>>) {

@@ -6,11 +6,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 use revprio_api::wire::{self, JointVector};
 use revprio_core::controller::{Controller, TaskConfig};
 use revprio_core::rows::TaskRows;
-use revprio_core::streaming::{Quantity, StreamedTarget, StreamedValue, Streaming, TargetError};
+use revprio_core::streaming::{Quantity, StreamedTarget, StreamedValue, Streaming, TargetAhead, TargetError};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::pose as pose_of;
 
-use super::checks::{Inside, Refused, Result, check};
+use super::checks::{Inside, Refused, Result, check, each};
 use super::numbers::{by_name, check_numbers, number, numbers};
 use super::profile::PerRow;
 use crate::service::error::{ApiError, escape_pointer};
@@ -97,17 +97,39 @@ fn read(
     if values.is_empty() {
         return Err(ApiError::invalid("", misfit(task)));
     }
+    let ahead: Vec<_> = each("/ahead", &given.ahead, |_, ahead| read_ahead(ahead, task, &controller.config().robot))?;
     let target = |value: StreamedValue| {
-        let is_position = matches!(value, StreamedValue::Pose { .. } | StreamedValue::JointPosition(_));
-        StreamedTarget { task: index, time_s, value, velocity: velocity.clone().filter(|_| is_position) }
+        let is_position = value.quantity().is_position();
+        let velocity = velocity.clone().filter(|_| is_position);
+        let ahead = if is_position { ahead.clone() } else { Vec::new() };
+        StreamedTarget { task: index, time_s, value, velocity, ahead }
     };
+    if !(ahead.is_empty() || values.iter().any(|value| value.quantity().is_position())) {
+        return Err(ApiError::invalid("/ahead", "only a `pose` or a `joint_position` can have targets ahead"));
+    }
     Ok(values.into_iter().map(target).collect())
+}
+
+/// Reads a target of a later time.
+fn read_ahead(given: &wire::TargetAhead, task: &TaskConfig, robot: &RobotModel) -> Result<TargetAhead> {
+    let value = match (&given.pose, &given.joint_position) {
+        (Some(pose), None) if task.accepts(Quantity::Pose) => read_pose(pose, task).inside("/pose")?,
+        (None, Some(position)) if task.accepts(Quantity::JointPosition) => {
+            StreamedValue::JointPosition(joint_positions(position, task, robot)?)
+        }
+        _ => return Err(ApiError::invalid("", misfit(task))),
+    };
+    Ok(TargetAhead { after_s: number(given.after_s, "/after_s")?, value })
 }
 
 /// Checks the times of targets.
 pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Controller) -> Result<()> {
     for target in targets {
-        let field = |error: &TargetError| if matches!(error, TargetError::Ahead { .. }) { "/time_s" } else { "" };
+        let field = |error: &TargetError| match error {
+            TargetError::Ahead { .. } => "/time_s".to_owned(),
+            TargetError::Foresight { index } => format!("/ahead/{index}"),
+            _ => String::new(),
+        };
         target.check(controller.config(), time_s).map_err(|error| {
             let place = place(&controller.config().tasks[target.task].name);
             ApiError::invalid(format!("{place}{}", field(&error)), error)

@@ -15,15 +15,16 @@ use super::pose::{pose, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve_task::{axis_selection, own_jacobian, scaled_bounds};
 use super::targets::streaming;
+use super::terms;
 use crate::service::error::ApiError;
 
 /// Reads a task.
 pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<TaskConfig> {
     let (rows, law) = match &task.law {
-        Some(wire::Law::Posture { joints, gain, max_acceleration, braking, target_position }) => {
+        Some(wire::Law::Posture { joints, gain, max_acceleration, braking, path, target_position }) => {
             check_posture_fields(task)?;
             let joints = joint_indices(joints.as_deref(), target_position, robot);
-            let law = |reader: &LawReader| reader.position(gain, max_acceleration.as_ref(), *braking);
+            let law = |reader: &LawReader| reader.position(gain, max_acceleration.as_ref(), *braking, *path);
             joints.and_then(|joints| posture(joints, target_position, law)).inside("/law")?
         }
         law => match (&task.axes, &task.jacobian) {
@@ -132,9 +133,9 @@ impl LawReader {
             wire::Law::Velocity { target_velocity } => {
                 Law::Velocity(self.profile(target_velocity, "/target_velocity")?)
             }
-            wire::Law::Pose { gain, max_acceleration, braking, .. }
-            | wire::Law::Posture { gain, max_acceleration, braking, .. } => {
-                self.position(gain, max_acceleration.as_ref(), *braking)?
+            wire::Law::Pose { gain, max_acceleration, braking, path, .. }
+            | wire::Law::Posture { gain, max_acceleration, braking, path, .. } => {
+                self.position(gain, max_acceleration.as_ref(), *braking, *path)?
             }
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;
@@ -171,7 +172,13 @@ impl LawReader {
         Ok(ToolRows { target_pose, target_displacement, ..rows })
     }
 
-    fn position(&self, gain: &PerAxis<f64>, max_acceleration: Option<&PerAxis<f64>>, braking: bool) -> Result<Law> {
+    fn position(
+        &self,
+        gain: &PerAxis<f64>,
+        max_acceleration: Option<&PerAxis<f64>>,
+        braking: bool,
+        path: Option<wire::MotionPath>,
+    ) -> Result<Law> {
         let gains = self.0.numbers(gain, "/gain")?;
         let (field, default) = ("/max_acceleration", PerAxis::All(0.0));
         let braking = match max_acceleration {
@@ -183,7 +190,8 @@ impl LawReader {
             None if braking => Braking::Joints,
             None => Braking::None,
         };
-        let law = PositionLaw::with_braking(gains, braking);
+        let along = |law: PositionLaw| path.map_or(law.clone(), |path| law.along(terms::motion_path(path)));
+        let law = PositionLaw::with_braking(gains, braking).map(along);
         law.map(Law::Position).map_err(|error| {
             let pointer = match error {
                 PositionLawError::Gain { row, .. } => at_row(gain, "/gain", row),

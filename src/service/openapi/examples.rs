@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 32] = examples! {
+const EXAMPLES: [Example; 34] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -40,6 +40,8 @@ const EXAMPLES: [Example; 32] = examples! {
     post "/v1/step" "step_inequality" => "step_inequality";
     post "/v1/step" "step_again" => "step_again";
     post "/v1/step" "step_targets" => "step_targets";
+    post "/v1/step" "step_ahead" => "step_ahead";
+    post "/v1/step" "step_straight" => "step_straight";
     post "/v1/controllers" "controller" => "controller";
     post "/v1/controllers" "controller_laws" => "controller_laws";
     get "/v1/controllers" => "sessions";

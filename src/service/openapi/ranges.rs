@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
-use revprio_core::controller::MAX_DELAY_PERIODS;
+use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
-use revprio_core::streaming::MAX_STREAMING_TIME;
+use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD};
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
@@ -185,9 +185,27 @@ fn target_ranges() -> Vec<FieldRange> {
             max_velocity: Positive,
             max_acceleration: Positive,
         }
-        wire::StreamedTarget { velocity: Items(1, MAX_ROWS), force: Items(1, MAX_ROWS) }
+        wire::StreamedTarget {
+            velocity: Items(1, MAX_ROWS),
+            force: Items(1, MAX_ROWS),
+            ahead: Items(0, MAX_TARGETS_AHEAD),
+        }
+        wire::TargetAhead { after_s: Between(0.0, MAX_FORESIGHT) }
+        wire::TargetStream { ahead: Items(0, MAX_TARGETS_AHEAD) }
+        wire::LaterTarget { values: Items(1, MAX_ROWS) }
         wire::StreamedPose { position: Items(3, 3) }
         wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+        wire::VirtualArm {
+            postures: Rows([TIMES_AHEAD.len(), TIMES_AHEAD.len()], [1, MAX_JOINTS]),
+            next: UpTo(TIMES_AHEAD.len() - 1),
+        }
+        wire::Line {
+            offset: Items(1, MAX_TASKS * MAX_ROWS),
+            progress: Between(0.0, 1.0),
+            speed: NotNegative,
+            postures: Rows([1, LINE_INTERVALS + 1], [1, MAX_JOINTS]),
+            speeds: Items(1, LINE_INTERVALS + 1),
+        }
         wire::TargetReference { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
     }
 }

@@ -28,6 +28,9 @@ pub enum Law {
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
         #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
         braking: bool,
+        /// Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not look ahead.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        path: Option<MotionPath>,
         /// Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step.
         #[serde(default)]
         target_pose: TargetPose,
@@ -52,6 +55,9 @@ pub enum Law {
         /// Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`.
         #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
         braking: bool,
+        /// Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not look ahead.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        path: Option<MotionPath>,
         /// Target positions q_d, rad or m, or `mid_range`.
         target_position: PostureTarget,
     },
@@ -131,6 +137,17 @@ impl Law {
         };
         Some([inertia.at(row)?, damping.at(row)?, stiffness])
     }
+}
+
+/// The path on which the arm moves to a target that jumps, for a law that looks ahead. All tasks of a controller, except bounds, have the
+/// same path. Each joint then moves as fast as its limits of velocity and acceleration permit, whatever `gain` is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionPath {
+    /// The fastest motion of each joint. The tool leaves the straight line, by up to a quarter of its length.
+    Joint,
+    /// The straight line of the tool, as fast as the joints can follow it.
+    Straight,
 }
 
 /// The target of the joints of a posture.

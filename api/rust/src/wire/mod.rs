@@ -30,6 +30,7 @@ mod step;
 mod streaming;
 pub mod string_or_map;
 mod string_tags;
+mod virtual_arm;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
@@ -41,7 +42,7 @@ pub use enums::{
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
-pub use law::{Law, PostureTarget};
+pub use law::{Law, MotionPath, PostureTarget};
 pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
 pub use outcome::{
@@ -64,5 +65,7 @@ pub use step::{
     StepRequest, StuckTask, TaskGain, Wrench,
 };
 pub use streaming::{
-    StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetReference, TargetSample, TargetState, TargetStream,
+    LaterTarget, StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample,
+    TargetState, TargetStream,
 };
+pub use virtual_arm::{Line, VirtualArm};

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use super::{
     ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Pose, Side, Singularity,
-    SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit,
+    SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm,
 };
 use super::{integer, object, streaming};
 
@@ -110,6 +110,9 @@ pub struct Memory {
     /// How the joints turn and what the tasks gained by it, so that the arm comes to rest; default: the next state starts anew.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub rest: Option<RestState>,
+    /// The virtual arm of laws that look ahead; default: none, or the next state starts anew.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub virtual_arm: Option<VirtualArm>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -66,6 +66,24 @@ pub struct StreamedTarget {
     #[schema(example = json!([15.0]))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Vec<f64>>,
+    /// Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default: unknown. Laws with `path` use it.
+    #[serde(deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub ahead: Vec<TargetAhead>,
+}
+
+/// A target of a later time. It has the same fields as the target with which it comes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TargetAhead {
+    /// Time after `time_s` of the target, s; at most 2.
+    #[schema(example = 0.1)]
+    pub after_s: f64,
+    /// Target pose at that time.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub pose: Option<StreamedPose>,
+    /// Target positions of the joints of the task at that time, in their order or by name, rad or m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_position: Option<JointVector>,
 }
 
 /// A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
@@ -123,11 +141,29 @@ pub struct TargetStream {
     /// The target before it.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub previous: Option<TargetSample>,
+    /// Targets of later times that came with the newest one; default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub ahead: Vec<LaterTarget>,
     /// The target that the law followed in the last period, with its velocity.
     #[serde(deserialize_with = "object::deserialize")]
     pub reference: TargetReference,
     /// State of the last period.
     pub state: TargetState,
+}
+
+/// A target of a later time in the memory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LaterTarget {
+    /// Time of the target, s.
+    pub time_s: f64,
+    /// Pose in the base frame, m.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub pose: Option<Pose>,
+    /// Values per row, if the target is not a pose.
+    #[schema(example = json!([0.3, -0.4]))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<f64>>,
 }
 
 /// A target in the memory.

@@ -2,7 +2,7 @@
 
 use revprio_robot::RobotModel;
 
-use crate::law::{Law, MotionPath};
+use crate::law::{Braking, Law, MotionPath};
 use crate::rows::{RowKind, RowsError, TaskRows};
 use crate::streaming::{Bound, Quantity, Streaming, StreamingError};
 
@@ -31,6 +31,11 @@ pub enum TaskConfigError {
     /// A task with bounds is to be scaled.
     #[error("a task with bounds has no direction to keep; do not scale it")]
     Scaled,
+    /// A law that looks ahead brakes in a way of its own.
+    #[error(
+        "a law with `path` brakes with the limits of the joints; omit `max_acceleration` and `braking`, or omit `path`"
+    )]
+    Path,
     /// The settings of streamed targets are out of range.
     #[error(transparent)]
     Streaming(#[from] StreamingError),
@@ -54,7 +59,12 @@ impl TaskConfig {
         if self.scaled && self.law.bounds().is_some() {
             return Err(TaskConfigError::Scaled);
         }
-        self.check_gain(robot, period)
+        match &self.law {
+            Law::Position(law) if law.path().is_some() && *law.braking() != Braking::Joints => {
+                Err(TaskConfigError::Path)
+            }
+            _ => self.check_gain(robot, period),
+        }
     }
 
     /// Returns the path of a position law that looks ahead.

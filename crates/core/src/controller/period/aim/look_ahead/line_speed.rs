@@ -23,7 +23,7 @@ const BISECTIONS: usize = 20;
 const INTERVAL: f64 = 1.0 / LINE_INTERVALS as f64;
 
 /// Smallest |q′| that limits σ̈, rad or m.
-const LEAST_RATE: f64 = 1e-9;
+const LEAST_RATE: f64 = 1e-6;
 
 /// Updates the speeds at all known places of a line.
 pub(super) fn update_speeds(line: &mut Line, can: &[Capability]) {
