@@ -136,6 +136,16 @@ impl TaskRows {
         }
     }
 
+    /// Returns whether the target of the configuration moves or may jump.
+    pub(crate) fn target_moves(&self) -> bool {
+        let moves = |profile: &Profile| !profile.is_constant();
+        match self {
+            Self::Tool(rows) => rows.target_displacement.as_ref().is_some_and(moves),
+            Self::Joints(JointRows { target: JointTarget::Position(profile), .. }) => moves(profile),
+            Self::Joints(_) | Self::Raw(_) => false,
+        }
+    }
+
     /// Returns the target from which streamed targets start: that of the configuration. `velocity`: ẋ of the last period, m.
     pub(crate) fn own_reference(&self, quantity: Quantity, arm: &ArmState, velocity: &[f64]) -> Reference {
         match (quantity, self) {

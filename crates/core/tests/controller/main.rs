@@ -2,6 +2,7 @@
 
 mod anti_windup;
 mod arms;
+mod best_line;
 mod bounds;
 mod braking;
 mod causes;

@@ -117,6 +117,11 @@ impl Profile {
         }
     }
 
+    /// Returns whether the value is the same at all times.
+    pub fn is_constant(&self) -> bool {
+        matches!(self.0, Shape::Constant(_))
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {

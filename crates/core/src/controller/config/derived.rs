@@ -68,7 +68,7 @@ impl ControllerConfig {
 
     /// Returns the path of the laws that look ahead, which is that of all position laws; `None`: none looks ahead.
     pub(in crate::controller) fn path(&self) -> Option<MotionPath> {
-        self.tasks.iter().find_map(|task| task.path())
+        self.tasks.iter().find_map(TaskConfig::path)
     }
 
     /// Returns whether the null-space velocity may differ from zero.

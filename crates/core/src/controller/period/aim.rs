@@ -15,7 +15,7 @@ use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::controller::state::{Memory, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, row_times};
 use crate::resolution::Problem;
 use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TargetValue, TaskStreams};
 use crate::task::{Task, TaskError, TaskStack};
@@ -166,7 +166,7 @@ fn evaluate_law(
     target.streamed = streams.report(arm.time_s);
 }
 
-/// Overwrites the requests by those of joints that follow the virtual arm, u: J_k u for each task, and u in their null space.
+/// Replaces a share of the requests by those of joints that follow the virtual arm, u: J_k u for each task, and u in their null space.
 ///
 /// The requests stay those of the laws if the virtual arm jumps, if the arm leaves a posture, or if targets fail to come.
 fn follow_ahead(
@@ -175,18 +175,21 @@ fn follow_ahead(
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
 ) {
-    let Some(velocity) = look_ahead.update(Scene { config, arm, previous, streams }) else { return };
+    let Some((velocity, share)) = look_ahead.update(Scene { config, arm, previous, streams }) else { return };
     let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
     if leaves || streams::have_dropped_out(streams) {
         return;
     }
     for (k, (target, task)) in targets.iter_mut().zip(tasks.tasks()).enumerate() {
         if task.is_equation() {
-            target.velocity.gemv(1.0, &task.jacobian, velocity, 0.0);
-            target.velocity.iter_mut().enumerate().for_each(|(row, speed)| *speed /= config.weight(k, row));
+            for (row, speed) in target.velocity.iter_mut().enumerate() {
+                let wished = row_times(&task.jacobian, row, velocity.as_slice()) / config.weight(k, row);
+                *speed += share * (wished - *speed);
+            }
         }
     }
-    null_space_velocity.copy_from(velocity);
+    *null_space_velocity *= 1.0 - share;
+    null_space_velocity.axpy(share, velocity, 1.0);
 }
 
 /// Scales all requests by s of [`RestState`](crate::controller::state::RestState); returns s. A motion that leaves a posture is not

@@ -59,7 +59,9 @@ impl VirtualArm {
     /// Lets the arm rest from the posture before time `first` on.
     pub(in crate::controller) fn stand_from(&mut self, first: usize) {
         let (before, later) = self.postures.split_at_mut(first);
-        later.iter_mut().for_each(|posture| posture.copy_from_slice(&before[first - 1]));
+        for posture in later {
+            posture.copy_from_slice(&before[first - 1]);
+        }
     }
 
     /// Puts the arm into a posture (n) at all times.

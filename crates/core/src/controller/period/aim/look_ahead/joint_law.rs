@@ -113,7 +113,7 @@ fn largest_acceleration(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
 }
 
 /// Returns the acceleration of a virtual joint on the parabola through its first three positions.
-fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
+pub(super) fn acceleration_now(ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
     2.0 * (slope(ahead, 1) - slope(ahead, 0)) / TIMES_AHEAD[2]
 }
 

@@ -53,6 +53,10 @@ const CORRECTION: f64 = 0.3;
 /// Distance from the targets at which a line ends, m and rad together.
 const END: f64 = 1e-4;
 
+/// Shares of its acceleration limit that a predicted motion needs of a joint, up to which the joints follow the virtual arm alone, and
+/// from which on not at all. Joints that each lag in their own way would turn the tool far from its orientation.
+const TRUST: (f64, f64) = (0.6, 1.0);
+
 /// A line is slow if it takes longer than this many times the way of the joints from its start to its end, and this time more, s.
 const SLOW: (f64, f64) = (3.0, 0.5);
 
@@ -85,13 +89,14 @@ impl LookAhead {
         &self.arm
     }
 
-    /// Moves the virtual arm on to this period, and returns the velocities of the joints that follow it (n); `None` if it jumps.
-    pub fn update(&mut self, scene: Scene) -> Option<&Vector> {
+    /// Moves the virtual arm on to this period, and returns the velocities of the joints that follow it (n), and their share: the rest is
+    /// for the laws without foresight. `None`: the virtual arm jumps.
+    pub fn update(&mut self, scene: Scene) -> Option<(&Vector, f64)> {
         self.recall(scene);
         if scene.config.path() == Some(MotionPath::Straight) {
             self.update_line(scene);
             if self.arm.line.is_some() {
-                return self.follow_line(scene).then_some(&self.velocity);
+                return self.follow_line(scene).then_some((&self.velocity, 1.0));
             }
         }
         self.arm.advance(scene.config.period_s);
@@ -104,6 +109,7 @@ impl LookAhead {
             arm.stand_from(1);
             return None;
         }
+        let mut share = 1.0;
         if (1..TIMES_AHEAD.len()).all(|k| posture.same_targets(scene, [TIMES_AHEAD[0], TIMES_AHEAD[k]])) {
             arm.stand_from(1);
             self.arrive(scene);
@@ -116,8 +122,9 @@ impl LookAhead {
             self.look_ahead(scene, |k| k < FIRST_LATER);
             self.arm.stand_from(FIRST_LATER);
             self.follow(scene, Joint::predicting);
+            share = self.trust(scene);
         }
-        Some(&self.velocity)
+        Some((&self.velocity, share))
     }
 
     /// Continues from the virtual arm of the last period, or from the real one.
@@ -227,6 +234,15 @@ impl LookAhead {
         for (j, velocity) in self.velocity.iter_mut().enumerate() {
             *velocity = joint(scene, j).arriving(target[j], arrival::share(time(j), slowest));
         }
+    }
+
+    /// Returns the share of the velocities that follow a predicted motion: less than 1 if a joint needs almost all of its acceleration.
+    fn trust(&self, scene: Scene) -> f64 {
+        let (all, none) = TRUST;
+        let ahead = |j: usize| std::array::from_fn(|k| self.arm.postures[k][j]);
+        let needed = |j: usize| joint_law::acceleration_now(&ahead(j)).abs() / capability(scene, j).acceleration;
+        let most = (0..self.velocity.len()).map(needed).fold(0.0, f64::max);
+        ((none - most) / (none - all)).clamp(0.0, 1.0)
     }
 
     /// Computes the velocities that follow a virtual arm that moves, by a law of each joint.

@@ -221,7 +221,9 @@ fn extend(basis: &mut [f64], rank: &mut usize, row: &[f64]) -> f64 {
     remove(known, *rank, n, place);
     let new = dot(place, place).sqrt();
     if new > DEPENDENT * length {
-        place.iter_mut().for_each(|entry| *entry /= new);
+        for entry in place {
+            *entry /= new;
+        }
         *rank += 1;
     }
     new

@@ -123,7 +123,8 @@ impl TargetPosture {
     /// Returns whether the targets of two times ahead (s) are the same, as seen from the posture that was computed last.
     pub fn same_targets(&self, scene: Scene, times: [f64; 2]) -> bool {
         let at = times.map(|after| scene.arm.later(&self.configuration, after));
-        self.tasks.iter().all(|&task| {
+        let moves = |task: &usize| !scene.streams.is_empty() || scene.config.tasks[*task].rows.target_moves();
+        self.tasks.iter().copied().filter(moves).all(|task| {
             let [first, second] = at.map(|at| scene.displacement(task, at));
             first.iter().zip(second.iter()).all(|(a, b)| (a - b).abs() < SAME)
         })
