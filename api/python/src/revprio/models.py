@@ -70,17 +70,20 @@ __all__ = [
     "JointsInequality",
     "KinematicsAnswer",
     "KinematicsRequest",
+    "LaterTarget",
     "Law",
     "LeftOutJoint",
     "LeftOutReason",
     "LevelMultipliers",
     "LimitKind",
     "Limits",
+    "Line",
     "LinkFrame",
     "LiveFrame",
     "LiveSample",
     "Memory",
     "Method",
+    "MotionPath",
     "NamedScenario",
     "NullSpaceMotion",
     "NullSpaceVelocity",
@@ -148,6 +151,7 @@ __all__ = [
     "StreamedTarget",
     "Streaming",
     "StuckTask",
+    "TargetAhead",
     "TargetPose",
     "TargetReference",
     "TargetSample",
@@ -161,6 +165,7 @@ __all__ = [
     "VelocityLoop",
     "ViolatedInequality",
     "ViolatedLimit",
+    "VirtualArm",
     "WatchedStep",
     "WaypointsProfile",
     "Wrench",
@@ -1264,6 +1269,11 @@ class VelocityLaw(Tagged):
     """Task velocity ẋ, m/s and rad/s."""
 
 
+MotionPath = Literal["joint", "straight"]
+"""The path on which the arm moves to a target that jumps, for a law that looks ahead. All tasks of a controller,
+except bounds, have the same path. Each joint then moves as fast as its limits of velocity and acceleration permit,
+whatever `gain` is."""
+
 TargetPose = Literal["initial"] | Pose
 """Target pose, from which displacements are measured: `initial` (the pose at the first step), or a pose of the
 reference point (m, unit quaternion), in the task's `frame` if that is a pose, otherwise in the base frame."""
@@ -1281,6 +1291,8 @@ class PoseLaw(Tagged):
       `true`.
     - max_acceleration: Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits
       of the joints. Set it for a gentler stop; default: those limits alone.
+    - path: Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not
+      look ahead.
     - target_displacement: Displacement added to X_d over time, m and rad (rotation vector), along the axes of the
       task's frame. Set it for a path that is known in advance; default: none.
     - target_pose: Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the
@@ -1296,6 +1308,9 @@ class PoseLaw(Tagged):
     max_acceleration: ArrayLike | None = None
     """Maximum acceleration with which the law brakes, m/s² and rad/s², in addition to the limits of the joints. Set it
     for a gentler stop; default: those limits alone."""
+    path: MotionPath | None = None
+    """Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not look
+    ahead."""
     target_displacement: Profile | None = None
     """Displacement added to X_d over time, m and rad (rotation vector), along the axes of the task's frame. Set it for
     a path that is known in advance; default: none."""
@@ -1323,6 +1338,8 @@ class PostureLaw(Tagged):
     - joints: Names of the joints that the task moves; default: all joints, for `mid_range` all joints with a range.
     - max_acceleration: Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of
       the joints. Set it for a gentler stop; default: those limits alone.
+    - path: Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not
+      look ahead.
     """
 
     gain: ArrayLike
@@ -1339,6 +1356,9 @@ class PostureLaw(Tagged):
     max_acceleration: ArrayLike | None = None
     """Maximum acceleration with which the law brakes, rad/s² or m/s², in addition to the limits of the joints. Set it
     for a gentler stop; default: those limits alone."""
+    path: MotionPath | None = None
+    """Path on which the law looks ahead, for targets that move fast or jump far; default: the law does not look
+    ahead."""
 
 
 class ForceLaw(Tagged):
@@ -1994,6 +2014,24 @@ class KinematicsRequest(Body):
     """Name of the robot, from `GET /v1/robots`."""
 
 
+class LaterTarget(Body):
+    """A target of a later time in the memory.
+
+    Fields:
+
+    - time_s: Time of the target, s.
+    - pose: Pose in the base frame, m.
+    - values: Values per row, if the target is not a pose.
+    """
+
+    time_s: float
+    """Time of the target, s."""
+    pose: Pose | None = None
+    """Pose in the base frame, m."""
+    values: Vector | None = None
+    """Values per row, if the target is not a pose."""
+
+
 LeftOutReason = Literal[
     "gripper", "head", "leg_or_wheel", "sensor", "unsupported", "beyond_tip", "other_branch", "not_below_base"
 ]
@@ -2013,6 +2051,33 @@ class LeftOutJoint(Answer):
     """Name of the joint in the text."""
     reason: LeftOutReason
     """Why it is left out."""
+
+
+class Line(Body):
+    """A line of the virtual arm from the place of the tool to targets that have jumped.
+
+    Fields:
+
+    - offset: Displacement of all rows from their targets at the start, m and rad.
+    - postures: Joint positions at equal distances along the line, as far as they are known, rad or m.
+    - progress: Progress along the line, 0 to 1.
+    - speed: Its rate, 1/s.
+    - speeds: The largest rates of progress there, 1/s.
+    - is_given_up: Whether the line is out of reach or too slow; default: no.
+    """
+
+    offset: Vector
+    """Displacement of all rows from their targets at the start, m and rad."""
+    postures: Vector
+    """Joint positions at equal distances along the line, as far as they are known, rad or m."""
+    progress: float
+    """Progress along the line, 0 to 1."""
+    speed: float
+    """Its rate, 1/s."""
+    speeds: Vector
+    """The largest rates of progress there, 1/s."""
+    is_given_up: bool | None = None
+    """Whether the line is out of reach or too slow; default: no."""
 
 
 class PathCounts(Answer):
@@ -2363,6 +2428,7 @@ class TargetStream(Body):
     - reference: The target that the law followed in the last period, with its velocity.
     - state: State of the last period.
     - task: Name of the task.
+    - ahead: Targets of later times that came with the newest one; default: none.
     - newest: The newest target.
     - previous: The target before it.
     """
@@ -2375,6 +2441,8 @@ class TargetStream(Body):
     """State of the last period."""
     task: str
     """Name of the task."""
+    ahead: list[LaterTarget] | None = None
+    """Targets of later times that came with the newest one; default: none."""
     newest: TargetSample | None = None
     """The newest target."""
     previous: TargetSample | None = None
@@ -2406,6 +2474,24 @@ class Progress(Body):
     """Time since which the share is below one half, s; default: it is not."""
 
 
+class VirtualArm(Body):
+    """The virtual arm of laws with `path`: postures at which the tasks have reached their targets.
+
+    Fields:
+
+    - next: Index of the posture that the next period computes.
+    - postures: Joint positions at each of the times ahead, rad or m. Shape: 9.
+    - line: The line on which the arm moves to targets that have jumped; default: it is at its targets.
+    """
+
+    next: int
+    """Index of the posture that the next period computes."""
+    postures: Vector
+    """Joint positions at each of the times ahead, rad or m. Shape: 9."""
+    line: Line | None = None
+    """The line on which the arm moves to targets that have jumped; default: it is at its targets."""
+
+
 class Memory(Body):
     """The memory of a controller. Clients send it back unchanged with the next state.
 
@@ -2430,6 +2516,7 @@ class Memory(Body):
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
     - valid_for_ms: Validity of the last answer, ms: how long the arm may have held its command. Default: unknown,
       then the next state counts as one period later, whatever its time.
+    - virtual_arm: The virtual arm of laws that look ahead; default: none, or the next state starts anew.
     """
 
     active_set: list[list[ActiveLimitName]]
@@ -2466,6 +2553,8 @@ class Memory(Body):
     valid_for_ms: int | None = None
     """Validity of the last answer, ms: how long the arm may have held its command. Default: unknown, then the next
     state counts as one period later, whatever its time."""
+    virtual_arm: VirtualArm | None = None
+    """The virtual arm of laws that look ahead; default: none, or the next state starts anew."""
 
 
 class Sensor(Body):
@@ -2856,6 +2945,24 @@ class StreamedPose(Body):
     """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
 
 
+class TargetAhead(Body):
+    """A target of a later time. It has the same fields as the target with which it comes.
+
+    Fields:
+
+    - after_s: Time after `time_s` of the target, s; at most 2.
+    - joint_position: Target positions of the joints of the task at that time, in their order or by name, rad or m.
+    - pose: Target pose at that time.
+    """
+
+    after_s: float
+    """Time after `time_s` of the target, s; at most 2."""
+    joint_position: JointVector | None = None
+    """Target positions of the joints of the task at that time, in their order or by name, rad or m."""
+    pose: StreamedPose | None = None
+    """Target pose at that time."""
+
+
 class StreamedTarget(Body):
     """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
     `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
@@ -2863,6 +2970,8 @@ class StreamedTarget(Body):
 
     Fields:
 
+    - ahead: Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default:
+      unknown. Laws with `path` use it.
     - force: Target force F_d per row, N and N·m.
     - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
     - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
@@ -2872,6 +2981,9 @@ class StreamedTarget(Body):
       frame `tool` those of the target. Default for a `pose` or a `joint_position`: estimated from the last targets.
     """
 
+    ahead: list[TargetAhead] | None = None
+    """Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default: unknown. Laws
+    with `path` use it."""
     force: Vector | None = None
     """Target force F_d per row, N and N·m."""
     joint_position: JointVector | None = None
