@@ -2,17 +2,16 @@
 //! places, from a pass backwards and a pass forwards.
 
 use nalgebra::Vector3;
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, orientation_error};
-
-use super::fast_targets::Arm;
 
 const PLACES: usize = 400;
 
-/// Returns the time, s.
-pub fn time(arm: &Arm, way: Vector3<f64>) -> f64 {
-    let path = postures(arm, way);
+/// Returns the time from a posture (n) along a way of the tool (m), s.
+pub fn time(robot: &RobotModel, start: &[f64], way: Vector3<f64>) -> f64 {
+    let path = postures(robot, start, way);
     let step = 1.0 / PLACES as f64;
-    let joints: Vec<_> = arm.robot.joints().iter().map(|joint| joint.limits).collect();
+    let joints: Vec<_> = robot.joints().iter().map(|joint| joint.limits).collect();
     let rates = |i: usize, j: usize| {
         let k = i.clamp(1, PLACES - 1);
         let second = (path[k + 1][j] - 2.0 * path[k][j] + path[k - 1][j]) / step / step;
@@ -53,14 +52,14 @@ pub fn time(arm: &Arm, way: Vector3<f64>) -> f64 {
 }
 
 /// Returns the postures along the line, by small steps of least squares with a pull to the first posture in the null space.
-fn postures(arm: &Arm, way: Vector3<f64>) -> Vec<Vec<f64>> {
-    let start = arm.tool(&arm.start);
-    let first = nalgebra::DVector::from_row_slice(&arm.start);
+fn postures(robot: &RobotModel, start: &[f64], way: Vector3<f64>) -> Vec<Vec<f64>> {
+    let first = nalgebra::DVector::from_row_slice(start);
+    let start = *Configuration::new(robot, start).unwrap().tool_pose();
     let mut q = first.clone();
     let mut path = Vec::new();
     for i in 0..=PLACES {
         for _ in 0..30 {
-            let at = Configuration::new(&arm.robot, q.as_slice()).unwrap();
+            let at = Configuration::new(robot, q.as_slice()).unwrap();
             let moved = start.translation.vector + way * (i as f64 / PLACES as f64) - at.tool_pose().translation.vector;
             let turned = -orientation_error(&at.tool_pose().rotation, &start.rotation);
             let error = nalgebra::DVector::from_iterator(6, moved.iter().chain(turned.iter()).copied());

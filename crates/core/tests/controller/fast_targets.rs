@@ -35,9 +35,9 @@ const FIGURE: f64 = 8.0;
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
 
 /// An arm and the posture from which it starts.
-pub(super) struct Arm {
-    pub(super) robot: Arc<RobotModel>,
-    pub(super) start: Vec<f64>,
+struct Arm {
+    robot: Arc<RobotModel>,
+    start: Vec<f64>,
 }
 
 /// What one run shows.
@@ -73,7 +73,7 @@ impl Arm {
         [arm("ur5e", &[0.0, -1.2, 1.6, -1.9, -1.57, 0.0]), arm("panda", &[0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])]
     }
 
-    pub(super) fn tool(&self, q: &[f64]) -> IsometryMatrix3<f64> {
+    fn tool(&self, q: &[f64]) -> IsometryMatrix3<f64> {
         *Configuration::new(&self.robot, q).unwrap().tool_pose()
     }
 
@@ -277,7 +277,7 @@ fn steps_on_the_straight_path_stay_on_the_line_and_take_little_longer_than_its_b
     for arm in &Arm::all() {
         for way in STEPS {
             let found = step(arm, way, looking_ahead(MotionPath::Straight));
-            let best = best_line::time(arm, way.into());
+            let best = best_line::time(&arm.robot, &arm.start, way.into());
             assert!(found.arrived <= 1.2 * best, "{} {way:?}: {found:?}, best {best} s", arm.robot.name());
             assert!(found.off_line <= 6e-3, "{} {way:?}: {found:?}", arm.robot.name());
             assert!(found.overshoot <= allowed_overshoot(way), "{} {way:?}: {found:?}", arm.robot.name());
@@ -427,7 +427,7 @@ fn print(name: &str, law: impl Fn() -> Law) {
             println!(
                 "{name} {robot} step {:.2} m: {arrived:.3} s, {ratio:.2} x trapezoid, {:.2} x line, overshoot {:.1} mm, off the line {:.0} mm, V {:.2} A {:.2}",
                 Vector3::from(way).norm(),
-                arrived / best_line::time(arm, way.into()),
+                arrived / best_line::time(&arm.robot, &arm.start, way.into()),
                 1e3 * overshoot,
                 1e3 * off_line,
                 shares[0],

@@ -62,7 +62,7 @@ const SLOW: (f64, f64) = (3.0, 0.5);
 
 /// The virtual arm and the memory in which it is computed.
 #[derive(Debug)]
-pub(in super::super) struct LookAhead {
+pub(in crate::controller) struct LookAhead {
     arm: VirtualArm,
     posture: TargetPosture,
     plan: Plan,

@@ -8,7 +8,7 @@ use crate::streaming::{ActiveStream, TaskStreams};
 
 /// What a period knows when it looks ahead.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Scene<'a> {
+pub(in crate::controller) struct Scene<'a> {
     pub config: &'a ControllerConfig,
     pub arm: &'a ArmState,
     pub previous: &'a Memory,
