@@ -80,6 +80,39 @@ fn moving_targets_frames_and_postures_give_the_same_bytes_without_a_session() {
     assert_eq!(by_session(&service, &shown), session, "the shown controller differs");
 }
 
+/// The virtual arm, its line and the targets ahead are in the memory.
+#[test]
+fn laws_that_look_ahead_give_the_same_bytes_without_a_session() {
+    let service = Service::start();
+    for path in ["joint", "straight"] {
+        let pose =
+            |displacement: Value| json!({"kind": "pose", "gain": 5, "path": path, "target_displacement": displacement});
+        let steps =
+            json!({"kind": "steps", "points": [{"time_s": 0, "value": 0}, {"time_s": 0.05, "value": [0.1, 0, -0.1]}]});
+        let sine = json!({"kind": "sine", "offset": 0, "amplitude": 0.1, "angular_frequency_rad_s": 3, "phase_rad": 0});
+        for displacement in [steps, sine] {
+            let tasks = json!([{"name": "hand", "axes": ["x", "y", "z"], "law": pose(displacement)}]);
+            let controller = json!({"robot": "sawyer_dh", "period_s": 0.001, "tasks": tasks});
+            let (session, memory) = (by_session(&service, &controller), by_memory(&service, &controller));
+            assert_eq!(session.iter().zip(&memory).find(|(a, b)| a != b), None, "{path}");
+        }
+    }
+    let request = example("step_straight.json");
+    let memory = service.call("/v1/step", &request)["memory"].clone();
+    for (pointer, value) in [
+        ("/virtual_arm/postures/0", json!([0.0])),
+        ("/virtual_arm/next", json!(0)),
+        ("/virtual_arm/line/progress", json!(2)),
+        ("/virtual_arm/line/speeds", json!([])),
+    ] {
+        let mut again = request.clone();
+        (again["memory"], again["state"]["sequence"]) = (memory.clone(), json!(1));
+        *again["memory"].pointer_mut(pointer).unwrap() = value;
+        let answer = service.post("/v1/step", &again.to_string()).json();
+        assert_eq!((&answer["status"], &answer["pointer"]), (&json!(422), &json!("/memory")), "{pointer}: {answer}");
+    }
+}
+
 #[test]
 fn simulations_with_and_without_a_session_are_equal() {
     let service = Service::start();
