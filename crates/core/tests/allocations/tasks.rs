@@ -6,7 +6,7 @@ use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{
     AntiWindup, ControllerConfig, Limits, NullSpaceMotion, TaskConfig, WrenchConvention, WrenchFrame,
 };
-use revprio_core::law::{Braking, Gains, HybridLaw, ImpedanceLaw, Law, Point, PositionLaw, Profile};
+use revprio_core::law::{Braking, Gains, HybridLaw, ImpedanceLaw, Law, MotionPath, Point, PositionLaw, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
@@ -71,6 +71,17 @@ fn every_law_allocates_nothing() {
         moves(what, with(all_limits(), task("move", TaskRows::Tool(target), law)));
     }
     moves("force", with(all_limits(), task("push", tool(&[Axis::X]), force(sine(1, 20.0)))));
+}
+
+/// Only the start of a line allocates.
+#[test]
+fn laws_that_look_ahead_allocate_nothing() {
+    for path in [MotionPath::Joint, MotionPath::Straight] {
+        let law = |rows: usize| Law::Position(PositionLaw::new(vec![2.0; rows]).unwrap().along(path));
+        let target = ToolRows { target_displacement: Some(sine(3, 0.1)), ..tool_rows(&LINEAR) };
+        let others = task("turn", tool(&[Axis::Rx, Axis::Ry]), law(2));
+        moves("ahead", config(all_limits(), vec![task("move", TaskRows::Tool(target), law(3)), others]));
+    }
 }
 
 #[test]
