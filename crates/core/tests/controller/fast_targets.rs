@@ -286,6 +286,26 @@ fn steps_on_the_straight_path_stay_on_the_line_and_take_little_longer_than_its_b
     }
 }
 
+/// The target jumps again while the tool moves. The tool leaves the first line by what it needs to stop, and arrives.
+#[test]
+fn a_second_jump_on_the_way_is_followed_too() {
+    for (arm, path) in Arm::all().iter().flat_map(|arm| PATHS.map(|path| (arm, path))) {
+        let point = |time_s, value: [f64; 3]| Point { time_s, value: [value, [0.0; 3]].concat() };
+        let steps = vec![point(0.0, [0.0, 0.2, 0.0]), point(0.25, [0.0, 0.0, -0.15])];
+        let displacement = Some(Profile::steps(steps).unwrap());
+        let rows = TaskRows::Tool(ToolRows { target_displacement: displacement, ..tool_rows(&AXES) });
+        let run = arm.run(TaskConfig { rows, ..task(&AXES, looking_ahead(path)) }, 2.0, |_| Vec::new());
+        let start = arm.tool(&arm.start).translation.vector;
+        let left = |time: f64| {
+            let (_, x, tilt) = run.tool.iter().find(|(at, ..)| *at >= time).unwrap();
+            ((x - start) - Vector3::new(0.0, 0.0, -0.15)).norm() + tilt
+        };
+        let case = format!("{} {path:?}: {} then {}", arm.robot.name(), left(1.2), left(1.9));
+        assert!(left(1.2) < ARRIVED && left(1.9) < 1e-4, "{case}");
+        assert!(run.shares.iter().all(|share| *share <= WITHIN), "{case}, {:?}", run.shares);
+    }
+}
+
 /// Bounds of the RMS distance at two speeds, m: with foresight, and predicted.
 #[test]
 fn figures_are_followed_with_foresight_and_with_a_prediction() {

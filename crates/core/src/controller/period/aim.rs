@@ -175,11 +175,13 @@ fn follow_ahead(
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
 ) {
-    let Some((velocity, share)) = look_ahead.update(Scene { config, arm, previous, streams }) else { return };
+    let scene = Scene { config, arm, previous, streams };
     let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
     if leaves || streams::have_dropped_out(streams) {
+        look_ahead.stand(scene);
         return;
     }
+    let Some((velocity, share)) = look_ahead.update(scene) else { return };
     for (k, (target, task)) in targets.iter_mut().zip(tasks.tasks()).enumerate() {
         if task.is_equation() {
             for (row, speed) in target.velocity.iter_mut().enumerate() {
