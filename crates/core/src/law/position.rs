@@ -41,6 +41,12 @@ use crate::linalg::Vector;
 /// For joints with a jerk limit, τ is longer and a may be smaller, so that the profile keeps the jerk too.
 ///
 /// The controller finds a: see [`BRAKING_SHARE`](crate::controller::BRAKING_SHARE).
+///
+/// # Looking ahead
+///
+/// A law with a [path](MotionPath) does not wait for its feedback: the controller moves a virtual arm to the targets ahead, and the joints
+/// follow it with all of their acceleration. The velocity above remains for periods in which the virtual arm jumps, and for predicted
+/// motions that the joints cannot follow. `docs/fast.md` in the repository has the rule and what was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionLaw {
     gain: Vector,
