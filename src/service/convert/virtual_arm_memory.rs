@@ -11,6 +11,9 @@ pub fn virtual_arm(arm: &wire::VirtualArm) -> Result<VirtualArm> {
     Ok(VirtualArm {
         postures: postures(&arm.postures)?,
         next: usize::try_from(arm.next).unwrap_or(usize::MAX),
+        target_accelerations: each("/target_accelerations", &arm.target_accelerations, |_, entries| {
+            numbers(entries, "")
+        })?,
         line: arm.line.as_ref().map(line).transpose().inside("/line")?,
     })
 }
@@ -43,6 +46,7 @@ pub fn virtual_arm_answer(arm: &VirtualArm) -> wire::VirtualArm {
     wire::VirtualArm {
         postures: arm.postures.clone(),
         next: u32::try_from(arm.next).unwrap_or(u32::MAX),
+        target_accelerations: arm.target_accelerations.clone(),
         line: arm.line.as_ref().map(line),
     }
 }

@@ -198,6 +198,7 @@ fn target_ranges() -> Vec<FieldRange> {
         wire::VirtualArm {
             postures: Rows([TIMES_AHEAD.len(), TIMES_AHEAD.len()], [1, MAX_JOINTS]),
             next: UpTo(TIMES_AHEAD.len() - 1),
+            target_accelerations: Rows([0, 2 * MAX_TASKS], [1, MAX_ROWS]),
         }
         wire::Line {
             offset: Items(1, MAX_TASKS * MAX_ROWS),

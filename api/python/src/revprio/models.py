@@ -2482,6 +2482,8 @@ class VirtualArm(Body):
     - next: Index of the posture that the next period computes.
     - postures: Joint positions at each of the times ahead, rad or m. Shape: 9.
     - line: The line on which the arm moves to targets that have jumped; default: it is at its targets.
+    - target_accelerations: Smoothed accelerations of the streamed targets, one list per stream, m/s² and rad/s²;
+      default: none.
     """
 
     next: int
@@ -2490,6 +2492,8 @@ class VirtualArm(Body):
     """Joint positions at each of the times ahead, rad or m. Shape: 9."""
     line: Line | None = None
     """The line on which the arm moves to targets that have jumped; default: it is at its targets."""
+    target_accelerations: Vector | None = None
+    """Smoothed accelerations of the streamed targets, one list per stream, m/s² and rad/s²; default: none."""
 
 
 class Memory(Body):

@@ -15,6 +15,10 @@ pub struct VirtualArm {
     #[schema(example = 3)]
     #[serde(deserialize_with = "integer::deserialize")]
     pub next: u32,
+    /// Smoothed accelerations of the streamed targets, one list per stream, m/s² and rad/s²; default: none.
+    #[schema(example = json!([[0.1, 0.0, -0.2, 0.0, 0.0, 0.0]]))]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub target_accelerations: Vec<Vec<f64>>,
     /// The line on which the arm moves to targets that have jumped; default: it is at its targets.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub line: Option<Line>,

@@ -119,6 +119,7 @@ pub(super) fn aim<'a>(
         None => {}
     }
     if let (Some(look_ahead), Some(velocity)) = (&mut *look_ahead, null_space_velocity.as_mut()) {
+        look_ahead.smooth(streams, previous, config.period_s);
         follow_ahead(look_ahead, (targets, velocity), (config, arm, previous), (tasks, streams));
     }
     let share = fade(config, arm, previous, gains, (targets, null_space_velocity.as_mut()));

@@ -16,6 +16,8 @@ pub struct VirtualArm {
     pub postures: Vec<Vec<f64>>,
     /// The next one of the later times whose posture is computed in the next period.
     pub next: usize,
+    /// The smoothed acceleration of each streamed target, in the order of the streams, m/s² and rad/s².
+    pub target_accelerations: Vec<Vec<f64>>,
     /// The line on which the arm moves to targets that have jumped; `None`: it is at its targets.
     pub line: Option<Line>,
 }
@@ -23,7 +25,12 @@ pub struct VirtualArm {
 impl VirtualArm {
     /// Returns an arm in a posture (n) at all times.
     pub(in crate::controller) fn at(posture: &[f64]) -> Self {
-        Self { postures: vec![posture.to_vec(); TIMES_AHEAD.len()], next: FIRST_LATER, line: None }
+        Self {
+            postures: vec![posture.to_vec(); TIMES_AHEAD.len()],
+            next: FIRST_LATER,
+            target_accelerations: Vec::new(),
+            line: None,
+        }
     }
 
     /// Returns whether the numbers are finite and fit n joints and the rows of the tasks with targets.
@@ -31,6 +38,7 @@ impl VirtualArm {
         let fits = |posture: &Vec<f64>| posture.len() == n && posture.iter().all(|entry| entry.is_finite());
         self.postures.len() == TIMES_AHEAD.len()
             && self.postures.iter().all(fits)
+            && self.target_accelerations.iter().flatten().all(|entry| entry.is_finite())
             && (FIRST_LATER..TIMES_AHEAD.len()).contains(&self.next)
             && self.line.as_ref().is_none_or(|line| line.is_valid(n, rows))
     }
@@ -39,6 +47,7 @@ impl VirtualArm {
     pub(in crate::controller) fn copy_from(&mut self, other: &Self) {
         self.postures.clone_from(&other.postures);
         self.next = other.next;
+        self.target_accelerations.clone_from(&other.target_accelerations);
         self.line.clone_from(&other.line);
     }
 

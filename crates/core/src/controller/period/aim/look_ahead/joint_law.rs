@@ -8,6 +8,9 @@ use crate::law::{braking_factor, linear_share};
 /// mrad/s.
 const GAIN: f64 = 60.0;
 
+/// The same towards a motion that is predicted from targets with noise.
+const PREDICTED_GAIN: f64 = 20.0;
+
 /// Largest product of the gain and the period. Loops below 2/3 come to rest behind every drive.
 const GAIN_PERIODS: f64 = 0.5;
 
@@ -47,7 +50,7 @@ impl Joint {
     /// Returns the velocity to a virtual joint that rests; `share`: of the speed limit, and by its square of the acceleration limit.
     pub fn arriving(&self, target: f64, share: f64) -> f64 {
         let speed = self.can.speed * share;
-        let feedback = self.feedback(target - self.position, self.can.acceleration * share * share);
+        let feedback = self.feedback(target - self.position, self.can.acceleration * share * share, GAIN);
         self.reachable(feedback.clamp(-speed, speed))
     }
 
@@ -68,17 +71,19 @@ impl Joint {
     pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()], _: &Plan) -> f64 {
         let acceleration = self.can.acceleration;
         let needed = acceleration_now(ahead).abs().min(PREDICTED * acceleration);
-        self.tracking(ahead[0], velocity_now(ahead, 0.5 * self.period), acceleration - needed)
+        let feedback = self.feedback(ahead[0] - self.position, acceleration - needed, PREDICTED_GAIN);
+        self.reachable(velocity_now(ahead, 0.5 * self.period) + feedback)
     }
 
     /// Returns the velocity that follows a virtual joint at a position with a velocity; `room`: the deceleration left for the feedback.
     pub fn tracking(&self, position: f64, velocity: f64, room: f64) -> f64 {
-        self.reachable(velocity + self.feedback(position - self.position, room))
+        self.reachable(velocity + self.feedback(position - self.position, room, GAIN))
     }
 
-    /// Returns the velocity towards a position at this distance from which the joint stops there with the deceleration `room`.
-    fn feedback(&self, distance: f64, room: f64) -> f64 {
-        let gain = GAIN.min(GAIN_PERIODS / self.period);
+    /// Returns the velocity towards a position at this distance from which the joint stops there with the deceleration `room`;
+    /// `gain`: the largest one near it, 1/s.
+    fn feedback(&self, distance: f64, room: f64, gain: f64) -> f64 {
+        let gain = gain.min(GAIN_PERIODS / self.period);
         let bare = gain * distance;
         if bare == 0.0 {
             return 0.0;

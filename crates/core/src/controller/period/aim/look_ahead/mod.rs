@@ -19,9 +19,10 @@ use self::plan::Plan;
 pub(super) use self::scene::Scene;
 use self::target_posture::{NEAR, Place, TargetPosture};
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{FIRST_LATER, TIMES_AHEAD, VirtualArm, has_jumped};
+use crate::controller::state::{FIRST_LATER, Memory, TIMES_AHEAD, VirtualArm, has_jumped};
 use crate::law::MotionPath;
 use crate::linalg::Vector;
+use crate::streaming::ActiveStream;
 
 /// Distance of the virtual arm from its targets that tells that they have jumped, m and rad together: they move less in a period.
 const FAR: f64 = 0.1;
@@ -39,6 +40,9 @@ const JUMP: (f64, f64) = (2.0, 1e-3);
 /// Largest mean speed of a virtual joint that is planned for, in speed limits: it may be faster for a while.
 const REACH: f64 = 2.0;
 
+/// Time constant with which the accelerations of streamed targets are smoothed, s.
+const SMOOTHING: f64 = 0.08;
+
 /// Shares of its acceleration limit that a predicted motion needs of a joint, up to which the joints follow the virtual arm alone, and
 /// from which on not at all. Joints that each lag in their own way would turn the tool far from its orientation.
 const TRUST: (f64, f64) = (0.6, 1.0);
@@ -51,6 +55,8 @@ pub(in crate::controller) struct LookAhead {
     plan: Plan,
     can: Vec<Capability>,
     velocity: Vector,
+    /// The smoothed accelerations of the streamed targets of this period.
+    accelerations: Vec<Vec<f64>>,
 }
 
 impl LookAhead {
@@ -64,12 +70,32 @@ impl LookAhead {
             plan: Plan::new(),
             can: Vec::with_capacity(n),
             velocity: Vector::zeros(n),
+            accelerations: Vec::new(),
         })
     }
 
     /// Returns the virtual arm of this period.
     pub fn virtual_arm(&self) -> &VirtualArm {
         &self.arm
+    }
+
+    /// Smooths the accelerations of the streamed targets: from one target to the next they are mostly noise. `period`: T, s.
+    pub fn smooth(&mut self, streams: &mut [ActiveStream], previous: &Memory, period: f64) {
+        let before = previous.virtual_arm.as_ref().map_or(&[][..], |arm| &arm.target_accelerations);
+        self.accelerations.resize_with(streams.len(), Vec::new);
+        let blend = period / (SMOOTHING + period);
+        for (k, (active, smoothed)) in streams.iter_mut().zip(&mut self.accelerations).enumerate() {
+            let rows = active.acceleration.len();
+            smoothed.clear();
+            match before.get(k).filter(|before| before.len() == rows) {
+                Some(before) => smoothed.extend_from_slice(before),
+                None => smoothed.resize(rows, 0.0),
+            }
+            for (smoothed, entry) in smoothed.iter_mut().zip(active.acceleration.iter_mut()) {
+                *smoothed += blend * (*entry - *smoothed);
+                *entry = *smoothed;
+            }
+        }
     }
 
     /// Puts the virtual arm where the real one comes to rest, for a period that does not follow it.
@@ -123,6 +149,7 @@ impl LookAhead {
             Some(known) if before.is_none_or(|before| !has_jumped(measured, before)) => self.arm.copy_from(known),
             _ => self.arm.stand_at(scene.position()),
         }
+        self.arm.target_accelerations.clone_from(&self.accelerations);
     }
 
     /// Moves the postures of some times ahead towards their targets.
