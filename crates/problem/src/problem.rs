@@ -96,13 +96,13 @@ pub enum ProblemError {
 }
 
 impl Problem {
-    /// The tasks by reverse priority, exact, without limits.
+    /// The tasks by strict reverse priority, exact, without limits.
     pub fn new(tasks: TaskStack) -> Self {
         Self {
             limits: VelocityBox::unbounded(tasks.joint_count()),
             tasks,
             inequalities: Vec::new(),
-            method: Method::ReversePriority,
+            method: Method::StrictReversePriority,
             damping: None,
             null_space_velocity: None,
             wants_certificate: false,

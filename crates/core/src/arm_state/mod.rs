@@ -24,8 +24,10 @@ pub(crate) struct ArmState {
     pub robot: Arc<RobotModel>,
     /// What the joints can give.
     pub capability: JointCapability,
-    /// t, s.
+    /// t, s, on the clock of the caller.
     pub time_s: f64,
+    /// The time from which profiles count, s.
+    pub profiles_start_s: f64,
     /// q̇, measured joint velocity, n, rad/s or m/s; the last command if it is not measured.
     pub joint_velocity: Vec<f64>,
     /// Ẋ = J q̇, base axes, at the tool point, m/s and rad/s.
@@ -86,6 +88,7 @@ impl ArmState {
             robot: Arc::clone(robot),
             capability,
             time_s: 0.0,
+            profiles_start_s: 0.0,
             joint_velocity: zeros.clone(),
             twist: [0.0; 6],
             wrench: [0.0; 6],
@@ -131,6 +134,11 @@ impl ArmState {
             half_way.update(robot, position)?;
         }
         Ok(())
+    }
+
+    /// Returns a time of the caller on the clock of the profiles, s.
+    pub fn profile_time(&self, time_s: f64) -> f64 {
+        time_s - self.profiles_start_s
     }
 
     /// Returns the arm at the measured posture q.

@@ -65,6 +65,7 @@ impl Controller {
         arm.initial_pose = memory.initial_pose;
         let initial = Memory::at_start(new, arm.measured());
         Ok(Memory {
+            start_time_s: memory.start_time_s,
             drive: memory.drive.clone(),
             answered: memory.answered.clone(),
             jerk: if new.keeps_jerk() { memory.jerk.clone().or(initial.jerk) } else { None },
@@ -72,7 +73,7 @@ impl Controller {
             target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
-            in_transition: !new.limits.include_accelerations(),
+            in_transition: new.limits_let_joints_jump(),
             ..initial
         })
     }

@@ -29,6 +29,17 @@ pub fn braking_deceleration(limits: &JointLimits) -> f64 {
     if limits.acceleration.is_finite() { limits.acceleration } else { limits.velocity / DEFAULT_BRAKING_TIME }
 }
 
+/// Returns the acceleration that a command keeps, rad/s² or m/s²: A, or [`braking_deceleration`] for a joint that has a jerk
+/// limit and no A. If its speed could jump, its jerk would have no bound.
+pub fn kept_acceleration(limits: &JointLimits) -> f64 {
+    if limits.jerk.is_finite() { braking_deceleration(limits) } else { limits.acceleration }
+}
+
+/// Returns whether the speed of a joint may jump from one command to the next, even with all limits of the robot.
+pub fn may_jump(limits: &JointLimits) -> bool {
+    kept_acceleration(limits).is_infinite()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 //!
 //! # The box
 //!
-//! A joint has the jerk limit J, the acceleration limit A (or [`braking_deceleration`]) and the speed limit V. q̇⁻ is the last
+//! A joint has the jerk limit J, the acceleration limit A (or [`braking_deceleration`], which it then keeps like an A) and the speed limit V. q̇⁻ is the last
 //! command, a⁻ its acceleration, T the period, τ the reaction time and d the distance to the upper limit. A command v has the
 //! acceleration a = (v − q̇⁻)/T. It is allowed if
 //!
@@ -367,6 +367,34 @@ mod tests {
                 q += period * command;
                 prop_assert!((limits.lower - 1e-9..=limits.upper + 1e-9).contains(&q));
                 (before, last) = (limit.next_acceleration(before, last, command), command);
+            }
+        }
+
+        /// A jerk limit without an acceleration limit is kept, whether it is above or below what a jump of the speed needs,
+        /// also without a speed limit.
+        #[test]
+        fn a_jerk_limit_alone_is_kept(
+            range in 0.1..10.0_f64,
+            velocity in prop::option::of(1e-2..10.0_f64),
+            jerk in (0.0..6.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+            period in 1e-3..0.02_f64,
+            choices in prop::collection::vec(0.0..=1.0_f64, 100),
+        ) {
+            let velocity = velocity.unwrap_or(f64::INFINITY);
+            let acceleration = f64::INFINITY;
+            let limits = JointLimits { lower: -range, upper: range, velocity, acceleration, jerk };
+            let limit = JerkLimit::of(&limits, period);
+            let (mut q, mut last, mut before) = (0.0, 0.0_f64, 0.0_f64);
+            for choice in choices {
+                let allowed = interval(&limits, q, last, before, period);
+                prop_assert!(!allowed.conflict && allowed.lower <= allowed.upper, "{allowed:?}");
+                let command = (allowed.lower + choice * (allowed.upper - allowed.lower)).min(allowed.upper);
+                let now = (command - last) / period;
+                prop_assert!((now - before).abs() <= jerk * period * (1.0 + 1e-9) + 1e-9 / period, "{now} {before}");
+                q += period * command;
+                prop_assert!((-range - 1e-9..=range + 1e-9).contains(&q), "{q}");
+                before = limit.map_or(now, |limit| limit.next_acceleration(before, last, command));
+                last = command;
             }
         }
 

@@ -3,7 +3,7 @@
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::bound_cause::BoundCause;
-use super::braking::{NOISE_TOLERANCE, braking_deceleration, reaction_time};
+use super::braking::{NOISE_TOLERANCE, braking_deceleration, kept_acceleration, reaction_time};
 use super::jerk::JerkLimit;
 use super::limit_kind::LimitKind;
 use crate::arm_state::JointMotion;
@@ -65,11 +65,18 @@ impl LimitedBox {
         self.causes[joint] = interval.causes;
     }
 
-    /// Restricts the box to velocities that the robot reaches from the last command (n) within a period (T, s), in the transition
-    /// from another controller. Where there is none, it becomes the reachable velocity nearest to the box.
-    pub fn bound_changes(&mut self, robot: &RobotModel, last_command: &[f64], period: f64) {
-        for (i, (joint, last)) in robot.joints().iter().zip(last_command).enumerate() {
-            let max_change = joint.limits.acceleration * period;
+    /// Restricts the box to velocities that the joints which `jump` may change to from the last command (n) within a period (T, s),
+    /// in a transition. Where there is none, it becomes the reachable velocity nearest to the box.
+    pub fn bound_changes(
+        &mut self,
+        robot: &RobotModel,
+        last_command: &[f64],
+        period: f64,
+        jump: impl Fn(&JointLimits) -> bool,
+    ) {
+        let joints = robot.joints().iter().zip(last_command).enumerate();
+        for (i, (joint, last)) in joints.filter(|(_, (joint, _))| jump(&joint.limits)) {
+            let max_change = braking_deceleration(&joint.limits) * period;
             let reachable = |bound: f64| bound.clamp(last - max_change, last + max_change);
             self.change_joint(i, BoundCause::Transition, |lower, upper| (reachable(lower), reachable(upper)));
         }
@@ -173,7 +180,7 @@ impl Interval {
     /// Returns the interval of all limits.
     fn with_acceleration(limits: &JointLimits, motion: JointMotion, joint: usize, period: f64) -> Self {
         let last = motion.last_command[joint];
-        let max_change = limits.acceleration * period;
+        let max_change = kept_acceleration(limits) * period;
         let (slowest, fastest) = (last - max_change, last + max_change);
         let stop = |distance: f64, last: f64| max_speed_towards(limits, distance, last, period);
         let (to_lower, to_upper) = motion.distances(joint, limits);
@@ -257,7 +264,7 @@ fn max_speed_towards(limits: &JointLimits, distance: f64, last: f64, period: f64
     if distance >= 0.0 {
         max_speed(limits, distance, period)
     } else {
-        (-max_speed(limits, -distance, period)).max(last - limits.acceleration * period).min(0.0)
+        (-max_speed(limits, -distance, period)).max(last - kept_acceleration(limits) * period).min(0.0)
     }
 }
 

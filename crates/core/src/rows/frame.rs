@@ -68,7 +68,7 @@ impl ToolRows {
             orientation_error(&actual.rotation, &target.pose.rotation),
         ];
         TaskState {
-            time_s,
+            time_s: arm.profile_time(time_s),
             velocity,
             displacement: rows(displacement),
             target_velocity: rows(target.velocity),
@@ -157,7 +157,8 @@ impl ToolRows {
         };
         let Some(displacement) = &self.target_displacement else { return MovingPose::resting(pose) };
         let axes = self.rotation(&pose.rotation);
-        MovingPose::displaced(&pose, &displacement.at(time_s), |entries| self.vectors(entries, &axes))
+        let displacement = displacement.at(arm.profile_time(time_s));
+        MovingPose::displaced(&pose, &displacement, |entries| self.vectors(entries, &axes))
     }
 }
 

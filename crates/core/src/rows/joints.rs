@@ -66,7 +66,7 @@ impl JointRows {
     pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
         match &self.target {
             JointTarget::Position(profile) => {
-                let SetPoint { value, rate, .. } = profile.at(arm.time_s);
+                let SetPoint { value, rate, .. } = profile.at(arm.profile_time(arm.time_s));
                 let value = TargetValue::Rows(TaskVector::from_slice(&value));
                 Reference { value, velocity: TaskVector::from_slice(&rate) }
             }
@@ -117,7 +117,7 @@ impl JointRows {
                 [&self.select(position) - value, active.velocity.clone(), active.acceleration.clone()]
             }
             (JointTarget::Position(profile), None) => {
-                let SetPoint { value, rate, acceleration } = profile.at(time_s);
+                let SetPoint { value, rate, acceleration } = profile.at(arm.profile_time(time_s));
                 let [value, rate, acceleration] =
                     [value, rate, acceleration].map(|entries| TaskVector::from_slice(&entries));
                 [&self.select(position) - &value, rate, acceleration]
@@ -129,6 +129,7 @@ impl JointRows {
                 [self.select(&gradient), zero.clone(), zero.clone()]
             }
         };
+        let time_s = arm.profile_time(time_s);
         TaskState { time_s, velocity, displacement, target_velocity, target_acceleration, force: zero, streamed: None }
     }
 }

@@ -9,7 +9,9 @@ mod kind;
 mod raw;
 mod rows_error;
 
+use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{Frame, TaskFrame};
 
 pub use frame::{TargetPose, ToolRows};
 pub(crate) use joints::mid_range_rate;
@@ -36,6 +38,14 @@ pub enum TaskRows {
 }
 
 impl TaskRows {
+    /// Returns the pose (base frame, m) of the frame in which target poses are given; `None` if that is the base frame.
+    pub fn fixed_frame(&self) -> Option<&IsometryMatrix3<f64>> {
+        match self {
+            Self::Tool(ToolRows { frame: TaskFrame { frame: Frame::Fixed(frame), .. }, .. }) => Some(frame),
+            Self::Tool(_) | Self::Joints(_) | Self::Raw(_) => None,
+        }
+    }
+
     /// Returns m, the number of rows.
     #[expect(clippy::len_without_is_empty, reason = "a task has at least one row")]
     pub fn len(&self) -> usize {
@@ -123,7 +133,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.state(velocity, at, position),
             Self::Joints(rows) => rows.state(velocity, at, position),
-            Self::Raw(_) => RawRows::state(velocity, at.time_s),
+            Self::Raw(_) => RawRows::state(velocity, at.arm.profile_time(at.time_s)),
         }
     }
 

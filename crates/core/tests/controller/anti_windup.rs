@@ -193,7 +193,8 @@ fn run_near_singularity(config: ControllerConfig, periods: usize) -> Extremes {
 #[test]
 fn next_to_a_singularity_a_damped_task_winds_up_only_if_damping_is_excepted() {
     let run = |anti_windup, change| {
-        run_near_singularity(reversed_push(change, LimitKind::PositionVelocity, anti_windup), 5000)
+        let config = reversed_push(change, LimitKind::PositionVelocity, anti_windup);
+        run_near_singularity(ControllerConfig { method: Method::ReversePriority, ..config }, 5000)
     };
     // The published laws: 1.8 rad/s in one period after the change of sign at 1 s, and requests of 13 rad/s and more after
     // 3 s.

@@ -32,6 +32,16 @@ pub fn with_jerk(robot: &RobotModel, rise: f64) -> RobotModel {
     RobotModel::new(name, "", robot.joints().iter().map(limited).collect(), *robot.tool()).unwrap()
 }
 
+/// Returns the same robot, of which every third joint states no acceleration limit.
+pub fn with_free_joints(robot: &RobotModel) -> RobotModel {
+    let freed = |(i, joint): (usize, &Joint)| {
+        let acceleration = if i % 3 == 1 { f64::INFINITY } else { joint.limits.acceleration };
+        Joint { limits: JointLimits { acceleration, ..joint.limits }, ..joint.clone() }
+    };
+    let name = format!("{} with free joints", robot.name());
+    RobotModel::new(name, "", robot.joints().iter().enumerate().map(freed).collect(), *robot.tool()).unwrap()
+}
+
 /// Returns rows of all joints with a constant target, n.
 pub fn joint_rows(target: &[f64]) -> TaskRows {
     let target_position = JointTarget::Position(constant(target));

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
-use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Stepper, TaskConfig};
+use revprio_core::controller::{ConfigError, Controller, ControllerConfig, Measurement, Stepper, TaskConfig};
 use revprio_core::law::{Law, MotionPath, Point, PositionLaw, Profile};
 use revprio_core::limits::Drive;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
@@ -392,6 +392,46 @@ fn a_new_stepper_in_each_period_computes_the_same_commands() {
             let again = Stepper::new(controller.clone()).unwrap().step(&mut other, &measured).unwrap().clone();
             assert_eq!((&command, &memory), (&again, &other), "{path:?}, period {i}");
             lagging.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+        }
+    }
+}
+
+/// The same for a stepper that other loops have used: targets with foresight, then without, then none for a while.
+#[test]
+fn a_used_stepper_computes_the_commands_of_a_new_one() {
+    let arm = &Arm::all()[0];
+    for path in PATHS {
+        let tasks = vec![task(&AXES, looking_ahead(path))];
+        let config = ControllerConfig { drive: DRIVE, ..ControllerConfig::new(Arc::clone(&arm.robot), PERIOD, tasks) };
+        let controller = Controller::new(config).unwrap();
+        let mut used = Stepper::new(controller.clone()).unwrap();
+        let run = |stepper: &mut Stepper, periods: u32| {
+            let (mut lagging, mut memory) = (LaggingArm::at_rest(&arm.start, DRIVE, 0.0, 1), None);
+            let start = arm.tool(&arm.start).translation.vector;
+            let mut commands = Vec::new();
+            for i in 0..periods {
+                let time_s = f64::from(i) * PERIOD;
+                let at = |time: f64| StreamedValue::Pose {
+                    position: Some(start + Vector3::new(0.0, 0.1 * (4.0 * time).sin(), 0.05 * (6.0 * time).sin())),
+                    orientation: None,
+                };
+                let foresight = [0.1, 0.3, 0.6].map(|after_s| TargetAhead { after_s, value: at(time_s + after_s) });
+                let ahead = if i < 90 { foresight.to_vec() } else { Vec::new() };
+                let target = StreamedTarget { task: 0, time_s, value: at(time_s), velocity: None, ahead };
+                let is_due = i % 3 == 0 && !(150..250).contains(&i);
+                let targets = if is_due { vec![target] } else { Vec::new() };
+                let measured = Measurement { targets, ..lagging.measure(time_s) };
+                let command = stepper.step(&mut memory, &measured).unwrap().clone();
+                lagging.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+                commands.push(command);
+            }
+            commands
+        };
+        let expected = run(&mut Stepper::new(controller).unwrap(), 300);
+        // A loop that ends while its later postures take turns leaves the most behind.
+        for ended_after in [80, 81, 82, 160, 300] {
+            run(&mut used, ended_after);
+            assert_eq!(run(&mut used, 300), expected, "{path:?}, after {ended_after}");
         }
     }
 }

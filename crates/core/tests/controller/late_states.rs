@@ -12,7 +12,8 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, RobotModel, built_in};
 
 use super::arms::{
-    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, position, sawyer, step, task, with_jerk,
+    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, position, sawyer, step, task,
+    with_free_joints, with_jerk,
 };
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::hold::middle;
@@ -96,7 +97,8 @@ impl Client {
 }
 
 /// Returns controllers that drive all joints beyond random ends of their ranges.
-fn controllers(robot: &Arc<RobotModel>, drive: Drive, period: f64, random: &mut Random) -> Vec<Stepper> {
+fn controllers(robot: &Arc<RobotModel>, run: &Run, random: &mut Random) -> Vec<Stepper> {
+    let (drive, period) = (run.stated, run.period);
     let beyond = |joint: &Joint, upper: bool| {
         let (lower, upper_end) = (joint.limits.lower.max(-3.0), joint.limits.upper.min(3.0));
         if upper { upper_end + 1.0 } else { lower - 1.0 }
@@ -106,7 +108,7 @@ fn controllers(robot: &Arc<RobotModel>, drive: Drive, period: f64, random: &mut 
             let target: Vec<f64> = robot.joints().iter().map(|joint| beyond(joint, random.below(2) == 0)).collect();
             let gain = [2.0, 10.0, 50.0][random.below(if period < 0.01 { 3 } else { 2 })];
             let posture = TaskConfig { rows: joint_rows(&target), ..task(&[Axis::X], position(target.len(), gain)) };
-            let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+            let limits = Limits::Robot(run.limits);
             let config = config(robot, vec![posture]);
             Stepper::new(controller(ControllerConfig { limits, drive, period_s: period, ..config })).unwrap()
         })
@@ -125,6 +127,9 @@ struct Run {
     clock: Clock,
     /// Whether the memory knows when the last state was measured.
     knows_times: bool,
+    limits: LimitKind,
+    /// Whether some joints state no acceleration limit.
+    free_joints: bool,
 }
 
 /// The clock of the states.
@@ -150,9 +155,9 @@ impl Run {
     /// Runs a robot for 4 s.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
     fn on(self, robot: &Arc<RobotModel>, seed: u64) -> Findings {
-        let Self { period, drive, stated, lateness, .. } = self;
+        let Self { period, drive, lateness, .. } = self;
         let mut random = Random(seed);
-        let mut steppers = controllers(robot, stated, period, &mut random);
+        let mut steppers = controllers(robot, &self, &mut random);
         let arm = LaggingArm::at_rest(&middle(robot), drive, 0.0, seed);
         let mut client = Client { arm, sent: vec![0.0; robot.joint_count()], resumes: false };
         let (mut memory, mut passed, mut offset) = (None::<Memory>, 0_u64, 0.0);
@@ -187,12 +192,27 @@ impl Run {
 
     /// Returns the worst findings of all built-in robots.
     fn worst(self, seed: u64) -> Findings {
-        let runs = built_in().iter().map(|robot| self.on(robot, seed));
+        let arm = |robot: &Arc<RobotModel>| {
+            if self.free_joints { Arc::new(with_free_joints(robot)) } else { Arc::clone(robot) }
+        };
+        let runs = built_in().iter().map(|robot| self.on(&arm(robot), seed));
         let worst =
             |a: Findings, b: Findings| Findings { outside: a.outside.max(b.outside), change: a.change.max(b.change) };
         runs.reduce(worst).unwrap()
     }
 }
+
+/// An ideal arm whose states come in time, with all limits.
+const RUN: Run = Run {
+    period: 0.01,
+    drive: Drive::IDEAL,
+    stated: Drive::IDEAL,
+    lateness: NEVER,
+    clock: Clock::Exact,
+    knows_times: true,
+    limits: LimitKind::PositionVelocityAcceleration,
+    free_joints: false,
+};
 
 const NEVER: Lateness = Lateness { percent: 0, most: 1, kills: false };
 
@@ -205,7 +225,7 @@ fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
             for drive in DRIVES {
                 seed += 1;
                 for (knows_times, outside) in [true, false].into_iter().zip(&mut outside) {
-                    let run = Run { period, drive, stated: drive, lateness, clock: Clock::Exact, knows_times };
+                    let run = Run { period, drive, stated: drive, lateness, clock: Clock::Exact, knows_times, ..RUN };
                     *outside = outside.max(run.worst(seed).outside);
                 }
             }
@@ -216,6 +236,70 @@ fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
     assert!(outside[1] > 0.01, "the runs do not show what late states do: {outside:?}");
 }
 
+/// Joints that may jump: the watchdog limits the change to the first answer after a ramp, and the answer keeps it.
+#[test]
+fn late_states_lead_no_joint_that_may_jump_out_of_its_range() {
+    let (mut seed, mut worst) = (0, f64::NEG_INFINITY);
+    for (limits, free_joints) in [
+        (LimitKind::PositionVelocityAcceleration, true),
+        (LimitKind::PositionVelocity, false),
+        (LimitKind::PositionVelocity, true),
+    ] {
+        for period in [0.001, 0.004, 0.01] {
+            for (percent, most, kills) in [(3, 1, false), (10, 1, true), (30, 3, true), (30, 30, true)] {
+                let lateness = Lateness { percent, most, kills };
+                for drive in DRIVES {
+                    seed += 1;
+                    let run = Run { period, drive, stated: drive, lateness, limits, free_joints, ..RUN };
+                    let outside = run.worst(seed).outside;
+                    worst = worst.max(outside);
+                }
+            }
+        }
+    }
+    println!("joints that may jump: outside {worst:.1e} rad");
+    // The box permits δ, and so does a hold.
+    assert!(worst < 2.0 * NOISE_MARGIN, "{worst:e}");
+}
+
+/// The same with drives up to twice as slow and twice as fast as stated.
+#[test]
+fn late_states_of_misstated_drives_lead_no_joint_further_than_the_drive_lets_it() {
+    let fastest = built_in().iter().flat_map(|robot| robot.joints()).map(|joint| joint.limits.velocity);
+    let fastest = fastest.fold(0.0, f64::max);
+    let all = LimitKind::PositionVelocityAcceleration;
+    let mut seed = 0;
+    for (limits, free_joints) in [(all, false), (all, true), (LimitKind::PositionVelocity, false)] {
+        for factor in [0.0, 0.5, 2.0] {
+            let late = Lateness { percent: 10, most: 3, kills: true };
+            for (lateness, name, share) in [(NEVER, "in time", 1.0), (late, "late", 2.0)] {
+                let (mut worst, mut further) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                for (period, stated) in
+                    [0.001, 0.004, 0.01].into_iter().flat_map(|period| DRIVES.map(|drive| (period, drive)))
+                {
+                    seed += 1;
+                    let drive = misstated(stated, factor);
+                    let run = Run { period, drive, stated, lateness, limits, free_joints, ..RUN };
+                    let outside = run.worst(seed).outside;
+                    let slower = (drive.time_to_rest(period) - stated.time_to_rest(period)).max(0.0);
+                    (worst, further) = (worst.max(outside), further.max(outside - share * fastest * slower));
+                }
+                println!(
+                    "{limits:?}, free joints: {free_joints}, {factor} times as slow, {name}: {worst:.1e} rad outside"
+                );
+                assert!(further < 2.0 * NOISE_MARGIN, "{further:e}");
+            }
+        }
+    }
+}
+
+/// Returns a drive that is slower by a factor.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small numbers")]
+fn misstated(stated: Drive, factor: f64) -> Drive {
+    let delay_periods = (stated.delay_periods as f64 * factor) as usize;
+    Drive { lag_s: stated.lag_s * factor, delay_periods }
+}
+
 /// The change of a command is that of the acceleration limit, so the arm does not notice where the clock jumps. A time that
 /// is wrong by more than half a period counts as a late state.
 #[test]
@@ -224,7 +308,15 @@ fn a_clock_that_jumps_or_jitters_leads_no_joint_far_out_of_its_range() {
     for ((clock, tolerance), seed) in clocks.into_iter().flat_map(|clock| [(clock, 1), (clock, 2)]) {
         for period in [0.001, 0.01] {
             for drive in [Drive::IDEAL, Drive::CONSERVATIVE] {
-                let run = Run { period, drive, stated: Drive::CONSERVATIVE, lateness: NEVER, clock, knows_times: true };
+                let run = Run {
+                    period,
+                    drive,
+                    stated: Drive::CONSERVATIVE,
+                    lateness: NEVER,
+                    clock,
+                    knows_times: true,
+                    ..RUN
+                };
                 let Findings { outside, change } = run.worst(seed);
                 println!("T {period} s, {drive:?}, {clock:?}: {outside:.1e} rad outside");
                 assert!(outside < tolerance && change < 1.0 + 1e-6, "{run:?}: {outside:e} rad, {change} A T");
@@ -237,7 +329,8 @@ fn a_clock_that_jumps_or_jitters_leads_no_joint_far_out_of_its_range() {
 fn late_states_of_a_faster_drive_than_stated_lead_no_joint_out_of_its_range() {
     let lateness = Lateness { percent: 10, most: 3, kills: true };
     for (drive, period) in DRIVES[..3].iter().flat_map(|&drive| [(drive, 0.001), (drive, 0.01)]) {
-        let run = Run { period, drive, stated: Drive::CONSERVATIVE, lateness, clock: Clock::Exact, knows_times: true };
+        let run =
+            Run { period, drive, stated: Drive::CONSERVATIVE, lateness, clock: Clock::Exact, knows_times: true, ..RUN };
         let Findings { outside, .. } = run.worst(3);
         assert!(outside < TOLERANCE, "{run:?}: {outside:e} rad");
     }

@@ -70,7 +70,7 @@ pub struct ControllerConfig {
 impl ControllerConfig {
     /// Builds a configuration with the defaults, which are also those of a controller in JSON; `period_s`: T, s.
     ///
-    /// The defaults: method `ReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
+    /// The defaults: method `StrictReversePriority`, solver `Auto`, the damping [`Damping::ARM`], the position, velocity and
     /// acceleration limits of the robot, a characteristic length of 1 m, a slow drive, and [`NullSpaceMotion::default_for`] the tasks.
     pub fn new(robot: Arc<RobotModel>, period_s: f64, tasks: Vec<TaskConfig>) -> Self {
         Self {
@@ -78,7 +78,7 @@ impl ControllerConfig {
             leave_local_minima: true,
             robot,
             period_s,
-            method: Method::ReversePriority,
+            method: Method::StrictReversePriority,
             solver: Solver::Auto,
             damping: Some(Damping::ARM),
             characteristic_length_m: 1.0,

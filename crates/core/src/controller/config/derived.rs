@@ -9,7 +9,7 @@ use super::velocity_limits::Limits;
 use crate::arm_state::{ArmState, JointCapability, Needs};
 use crate::constraint::Constraint;
 use crate::law::{Law, MotionPath};
-use crate::limits::{JerkLimit, LimitKind, braking_deceleration, reaction_time};
+use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
 
@@ -39,6 +39,11 @@ impl ControllerConfig {
     pub fn keeps_jerk(&self) -> bool {
         let binds = |joint: &revprio_robot::Joint| JerkLimit::of(&joint.limits, self.period_s).is_some();
         self.kept_limits().is_some_and(LimitKind::includes_acceleration) && self.robot.joints().iter().any(binds)
+    }
+
+    /// Returns whether the limits of the controller let some joint change its speed at once.
+    pub(in crate::controller) fn limits_let_joints_jump(&self) -> bool {
+        !self.limits.include_accelerations() || self.robot.joints().iter().any(|joint| may_jump(&joint.limits))
     }
 
     /// Returns the damping of this loop, whose reaction time is the period and a part of what the drive adds: the loop acts on

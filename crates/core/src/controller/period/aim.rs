@@ -101,7 +101,7 @@ pub(super) fn aim<'a>(
     given: &[StreamedTarget],
     Aiming { problem, targets, streams, bounds, gains, look_ahead }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
-    let Problem { tasks, null_space_velocity, .. } = &mut *problem;
+    let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;
     streams::update(streams, previous, given, arm, config);
     tasks.overwrite_jacobians(|k, jacobian| {
         config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
@@ -120,7 +120,9 @@ pub(super) fn aim<'a>(
     }
     if let (Some(look_ahead), Some(velocity)) = (&mut *look_ahead, null_space_velocity.as_mut()) {
         look_ahead.smooth(streams, previous, config.period_s);
-        follow_ahead(look_ahead, (targets, velocity), (config, arm, previous), (tasks, streams));
+        let follows = follow_ahead(look_ahead, (targets, velocity), (config, arm, previous), (tasks, streams));
+        // Joints that follow the virtual arm ask for velocities that they can have, also at a singularity.
+        *damping = if follows { None } else { config.fading_damping() };
     }
     let share = fade(config, arm, previous, gains, (targets, null_space_velocity.as_mut()));
     tasks.overwrite(|k, _, lower, upper| {
@@ -153,7 +155,7 @@ fn evaluate_law(
     }
     let velocity = task.law.velocity(&state, integrator, config.period_s);
     let mut velocity = bounds.bounded(k, (config, &arm.capability), tasks, &state, velocity);
-    let mut force = task.law.target_force(arm.time_s);
+    let mut force = task.law.target_force(arm.profile_time(arm.time_s));
     if let Some(streamed) = streams.values() {
         force.iter_mut().zip(streamed.iter()).for_each(|(force, value)| *force = force.map(|_| *value));
     }
@@ -169,20 +171,20 @@ fn evaluate_law(
 
 /// Replaces a share of the requests by those of joints that follow the virtual arm, u: J_k u for each task, and u in their null space.
 ///
-/// The requests stay those of the laws if the virtual arm jumps, if the arm leaves a posture, or if targets fail to come.
+/// Returns whether the joints follow the virtual arm alone. The requests stay those of the laws if the virtual arm jumps, if the arm leaves a posture, or if targets fail to come.
 fn follow_ahead(
     look_ahead: &mut LookAhead,
     (targets, null_space_velocity): (&mut [TaskTarget], &mut Vector),
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
-) {
+) -> bool {
     let scene = Scene { config, arm, previous, streams };
     let leaves = previous.progress.iter().any(|progress| progress.is_leaving(arm.time_s));
     if leaves || streams::have_dropped_out(streams) {
         look_ahead.stand(scene);
-        return;
+        return false;
     }
-    let Some((velocity, share)) = look_ahead.update(scene) else { return };
+    let Some((velocity, share)) = look_ahead.update(scene) else { return false };
     for (k, (target, task)) in targets.iter_mut().zip(tasks.tasks()).enumerate() {
         if task.is_equation() {
             for (row, speed) in target.velocity.iter_mut().enumerate() {
@@ -193,6 +195,7 @@ fn follow_ahead(
     }
     *null_space_velocity *= 1.0 - share;
     null_space_velocity.axpy(share, velocity, 1.0);
+    share >= 1.0
 }
 
 /// Scales all requests by s of [`RestState`](crate::controller::state::RestState); returns s. A motion that leaves a posture is not
@@ -226,7 +229,7 @@ fn fade(
 fn task_state(task: &TaskConfig, arm: &ArmState, streams: TaskStreams) -> TaskState {
     let streamed = streams.values().cloned();
     if task.law.follows_velocity() {
-        return TaskState { time_s: arm.time_s, streamed, ..TaskState::default() };
+        return TaskState { time_s: arm.profile_time(arm.time_s), streamed, ..TaskState::default() };
     }
     let sees_rest = matches!(task.law, Law::Position(_));
     let at = if sees_rest { arm.at_rest() } else { arm.measured() };

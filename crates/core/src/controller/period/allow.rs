@@ -4,7 +4,7 @@ use crate::arm_state::ArmState;
 use crate::constraint::{self, Inequality};
 use crate::controller::config::{ControllerConfig, Limits};
 use crate::controller::state::Memory;
-use crate::limits::{LimitKind, LimitedBox};
+use crate::limits::{LimitKind, LimitedBox, may_jump};
 
 /// The joint velocities that a period allows.
 #[derive(Debug)]
@@ -42,8 +42,7 @@ pub(super) fn allow<'a>(
 ) -> &'a Allowed {
     let Allowed { limits, without_jerk, inequalities } = &mut *allowed;
     let (robot, motion, period) = (&config.robot, arm.motion(), config.period_s);
-    // Joints with a jerk limit need no transition: their acceleration is limited anyway.
-    let in_transition = previous.in_transition && without_jerk.is_none();
+    let in_transition = previous.in_transition;
     match &config.limits {
         Limits::Robot(LimitKind::PositionVelocity) if in_transition => {
             limits.update(robot, LimitKind::PositionVelocityAcceleration, motion, period);
@@ -51,8 +50,10 @@ pub(super) fn allow<'a>(
         Limits::Robot(kind) => limits.update(robot, *kind, motion, period),
         Limits::Fixed(velocity_box) => limits.set_given(velocity_box),
     }
-    if in_transition && config.limits != Limits::Robot(LimitKind::PositionVelocity) {
-        limits.bound_changes(robot, &arm.last_command, period);
+    if in_transition {
+        // With positions, joints with an acceleration limit keep it already.
+        let keeps_positions = matches!(&config.limits, Limits::Robot(kind) if kind.includes_position());
+        limits.bound_changes(robot, &arm.last_command, period, |limits| !keeps_positions || may_jump(limits));
     }
     if let Some(without_jerk) = without_jerk {
         without_jerk.update(robot, LimitKind::PositionVelocity, motion, period);

@@ -67,6 +67,7 @@ pub(super) fn measure<'a, 'm>(
     let initial_pose = known.as_ref().map_or(*configuration.tool_pose(), |known| known.initial_pose);
     (arm.time_s, arm.wrench, arm.initial_pose) = (measurement.time_s, wrench, initial_pose);
     let known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
+    arm.profiles_start_s = known.start_time_s;
     recall(config, &known, arm)?;
     Ok((arm, known))
 }

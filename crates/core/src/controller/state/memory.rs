@@ -15,12 +15,17 @@ use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
 use crate::streaming::{MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
 
+/// Time above which a clock counts from the year 1970, s, and no profile does: the year 2001.
+pub const UNIX_TIME_S: f64 = 1e9;
+
 /// The complete state of a controller. Another process with the same
 /// controller can continue from it and computes the same commands, to the last bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory {
     /// ẋ in the integrator of each task, m_k each, m/s and rad/s.
     pub task_velocities: Vec<Vector>,
+    /// The time from which profiles count, s: that of the first step if it is above 10⁹ s, otherwise 0.
+    pub start_time_s: f64,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
     /// q at the first step, n, rad or m; `None`: unknown, then the next step sets it.
@@ -102,6 +107,7 @@ impl Memory {
         let velocity = Vector::from_row_slice(&at.arm.joint_velocity);
         Self {
             task_velocities: config.tasks.iter().map(|task| task.rows.velocity(at).to_vector()).collect(),
+            start_time_s: if at.arm.time_s > UNIX_TIME_S { at.arm.time_s } else { 0.0 },
             initial_pose: at.arm.initial_pose,
             drive: DriveState::moving(config.drive, &velocity),
             answered: None,
@@ -127,7 +133,7 @@ impl Memory {
         {
             return Err(MemoryError::TaskVelocities);
         }
-        if self.last_command.len() != n || !finite(&self.last_command) {
+        if self.last_command.len() != n || !finite(&self.last_command) || !self.start_time_s.is_finite() {
             return Err(MemoryError::LastCommand);
         }
         let DriveState { velocity, pending } = &self.drive;

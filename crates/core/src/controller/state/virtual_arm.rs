@@ -75,7 +75,7 @@ impl VirtualArm {
 
     /// Puts the arm into a posture (n) at all times.
     pub(in crate::controller) fn stand_at(&mut self, position: &[f64]) {
-        self.line = None;
+        (self.next, self.line) = (FIRST_LATER, None);
         for posture in &mut self.postures {
             posture.copy_from_slice(position);
         }

@@ -3,7 +3,8 @@
 //! A state that is n = round(Δt/T) > 1 periods after the one before finds an arm that got the last command for one period,
 //! and then n − 1 times the command of its watchdog: the last command while it was valid, then a ramp to rest. The
 //! modelled drive follows these commands, so the position of rest p is that of the arm. The ramp is also the last command
-//! from which the next one accelerates.
+//! from which the next one accelerates. After the ramp has begun, the watchdog limits the change to the next answer to a T. So the
+//! answer keeps that itself, also where the limits of the controller let joints jump: the arm gets what the service assumes.
 //!
 //! The clock of the states may jump. Measured positions tell: if they fit clearly better to an arm that moved for one period,
 //! one period passed.
@@ -51,7 +52,9 @@ impl Memory {
         if further.norm() + CLOCK_TOLERANCE < (&further - travelled).norm() {
             return None;
         }
-        let mut later = Self { drive, last_command: command, ..self.clone() };
+        let jumps = config.limits_let_joints_jump();
+        let in_transition = self.in_transition || jumps && watchdog.brakes_within(missed);
+        let mut later = Self { drive, last_command: command, in_transition, ..self.clone() };
         if let Some(jerk) = &mut later.jerk {
             jerk.acceleration.fill(0.0);
         }

@@ -61,6 +61,11 @@ impl Watchdog<'_> {
         after
     }
 
+    /// Returns whether the ramp begins within some periods without an answer.
+    pub fn brakes_within(&self, periods: usize) -> bool {
+        (periods as f64 + 1.0) * self.period > self.answered.valid_for_ms as f64 / 1e3 + ROUNDING_S
+    }
+
     /// Returns the velocity of a joint behind the drive after some periods, rad/s or m/s.
     fn velocity_after(&self, before: &DriveState, joint: usize, sent: &SentCommands, periods: usize) -> f64 {
         let rate = self.period / self.drive.lag_s;

@@ -2,7 +2,7 @@
 
 use crate::controller::config::{AntiWindup, ControllerConfig};
 use crate::controller::state::{AnsweredState, Command, JerkState, Measurement, Memory};
-use crate::limits::Hold;
+use crate::limits::{Hold, braking_deceleration};
 use crate::linalg::Vector;
 use crate::resolution::{Resolution, Status};
 use crate::streaming::{ActiveStream, TargetStream};
@@ -99,7 +99,7 @@ fn update_streams(memory: &mut Vec<TargetStream>, streams: &[ActiveStream]) {
 fn is_in_transition(config: &ControllerConfig, last: &[f64], resolution: &Resolution) -> bool {
     let velocities = last.iter().zip(resolution.joint_velocity.iter());
     velocities.zip(config.robot.joints()).any(|((last, velocity), joint)| {
-        (velocity - last).abs() >= (1.0 - REACH_TOLERANCE) * joint.limits.acceleration * config.period_s
+        (velocity - last).abs() >= (1.0 - REACH_TOLERANCE) * braking_deceleration(&joint.limits) * config.period_s
     })
 }
 

@@ -101,6 +101,7 @@ impl LookAhead {
     /// Puts the virtual arm where the real one comes to rest, for a period that does not follow it.
     pub fn stand(&mut self, scene: Scene) {
         self.arm.stand_at(scene.position());
+        self.arm.target_accelerations.clone_from(&self.accelerations);
     }
 
     /// Moves the virtual arm on to this period, and returns the velocities of the joints that follow it (n), and their share: the rest is
