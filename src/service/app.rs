@@ -69,7 +69,7 @@ fn cors(origins: &[String]) -> CorsLayer {
         [header::CONTENT_TYPE, header::AUTHORIZATION, header::ACCEPT, REQUEST_ID, OWNER, IDEMPOTENCY_KEY];
     CorsLayer::new()
         .allow_origin(origins)
-        .allow_methods([Method::GET, Method::POST, Method::DELETE])
+        .allow_methods([Method::GET, Method::POST, Method::PUT, Method::DELETE])
         .allow_headers(request_headers)
         .expose_headers([header::LOCATION, header::RETRY_AFTER, REQUEST_ID])
         .max_age(Duration::from_hours(1))

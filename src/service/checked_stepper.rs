@@ -12,20 +12,23 @@ use super::error::ApiError;
 use super::robots::Robots;
 use super::solvers::stepper;
 use super::state_rules::{LastState, StateRules};
-use super::{warnings, why};
+use super::{request_warnings, warnings, why};
 
 /// A controller with its workspace, and the rules for its states.
 pub struct CheckedStepper {
     stepper: Stepper,
     rules: StateRules,
+    /// Warnings about the controller in its first answer.
+    first_warnings: Vec<String>,
 }
 
 impl CheckedStepper {
     /// Creates the stepper of a controller.
     pub fn new(request: &wire::Controller, controller: Controller) -> Result<Self, ApiError> {
         let rules = convert::state_rules(request)?;
+        let first_warnings = warnings::of_first_step(request, controller.config());
         let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
-        Ok(Self { stepper, rules })
+        Ok(Self { stepper, rules, first_warnings })
     }
 
     /// Returns the controller.
@@ -65,10 +68,12 @@ impl CheckedStepper {
     ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
         let config = controller.config();
+        let mut warnings = if memory.is_none() { self.first_warnings.clone() } else { Vec::new() };
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
-        let mut warnings = Vec::new();
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);
+        warnings::warn_about_weights(&mut warnings, &controller, command);
+        request_warnings::of_targets(&mut warnings, &controller, &measurement.targets);
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
         }

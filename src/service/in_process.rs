@@ -9,7 +9,7 @@ use revprio_api::{ClientError, Service, wire};
 use super::checked_stepper::CheckedStepper;
 use super::error::ApiError;
 use super::metrics::Metrics;
-use super::ownership::Ownership;
+use super::ownership::{Owner, Ownership};
 use super::platform::OperatingSystem;
 use super::robots::Robots;
 use super::sessions::Sessions;
@@ -70,7 +70,7 @@ impl Service for InProcess {
     }
 
     fn delete_controller(&self, id: &str) -> Result<(), ClientError> {
-        self.sessions.delete(id).map_err(client_error)
+        self.sessions.delete(id, &Owner::default()).map_err(client_error)
     }
 
     fn step(&self, request: &wire::StepRequest) -> Result<wire::StepAnswer, ClientError> {

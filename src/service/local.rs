@@ -15,6 +15,7 @@ use super::checked_stepper::{ComputedStep, ControlLoop, PreparedController};
 use super::convert;
 use super::error::ApiError;
 use super::format::Format;
+use super::price;
 use super::robots::{Robots, RobotsError};
 use super::step::{ITEMS_PER_THREAD, batch_item, check_batch_size, resolve, stateless_step, stateless_stepper};
 
@@ -51,6 +52,13 @@ impl LocalService {
     /// Resolves a problem, `POST /v1/resolve`.
     pub fn resolve(&self, body: &[u8]) -> Result<wire::ResolveAnswer, ApiError> {
         self.resolve_read(&read(body)?)
+    }
+
+    /// Returns the price of a problem, `POST /v1/resolve`, by which a server decides on which thread it is solved.
+    pub fn price(&self, body: &[u8]) -> Result<Price, ApiError> {
+        let problem = convert::resolve_problem(&read(body)?, &self.robots)?;
+        let units = price::of_problem(&problem.problem, problem.solver);
+        Ok(Price { units, is_within_budget: units <= price::RESOLVE_BUDGET })
     }
 
     /// Opens a controller, `POST /v1/controllers`. Without an owner and without an end by time.
@@ -102,6 +110,15 @@ impl LocalService {
             _ => Err(ApiError::not_found(format!("{method} {path} needs a server; start one with `revprio serve`"))),
         }
     }
+}
+
+/// The price of a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Price {
+    /// The price; one unit is about 0.25 µs at most.
+    pub units: usize,
+    /// Whether the thread of the steps solves the problem, and no worker.
+    pub is_within_budget: bool,
 }
 
 /// A session without a server: a controller and its memory.

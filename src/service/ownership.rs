@@ -1,4 +1,4 @@
-//! Who opened a session, and who may step it.
+//! Who opened a session, and who may step, replace and end it.
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -60,7 +60,7 @@ fn parameter(name: &str, place: ParameterIn, description: &str) -> Parameter {
 pub struct Owner(Option<Word>);
 
 impl Owner {
-    /// Refuses a step of a session with this owner by another client. A session without owner is open to all.
+    /// Refuses a change of a session with this owner by another client. A session without owner is open to all.
     pub fn allow(&self, client: &Self) -> Result<(), ApiError> {
         let Some(Word(owner)) = &self.0 else { return Ok(()) };
         match &client.0 {
@@ -123,7 +123,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Ownership {
 
 impl IntoParams for Ownership {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
-        let owner = "Owner token, a word that the client chooses. Steps and streams of the session must send it too.";
+        let owner = "Owner token, a word that the client chooses. Every request that steps, replaces or ends the session must send it too.";
         let key = "A word that the client chooses for this request. The same request with the same key gets the same \
                    session again.";
         let owner = parameter("Revprio-Owner", ParameterIn::Header, owner);

@@ -22,7 +22,7 @@ pub async fn single(body: RawBody, app: &Arc<AppState>) -> Result<ResolveAnswer,
     }
     let start = Instant::now();
     let problem = convert::resolve_problem(&body.read()?, &app.robots)?;
-    if price::of_problem(&problem.problem) > price::RESOLVE_BUDGET {
+    if price::of_problem(&problem.problem, problem.solver) > price::RESOLVE_BUDGET {
         return app.large_problems.run(move |_| solve(&problem, start, &shared)).await?;
     }
     solve(&problem, start, app)

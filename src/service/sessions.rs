@@ -307,9 +307,14 @@ impl Sessions {
         is_active.then_some(session).ok_or_else(|| ApiError::unknown_controller(id))
     }
 
-    /// Ends a session.
-    pub fn delete(&self, id: &str) -> Result<(), ApiError> {
-        lock(&self.open).remove(&parse(id)?).map(drop).ok_or_else(|| ApiError::unknown_controller(id))
+    /// Ends a session, also while a step is running.
+    pub fn delete(&self, id: &str, client: &Owner) -> Result<(), ApiError> {
+        let key = parse(id)?;
+        let mut open = lock(&self.open);
+        let session = open.get(&key).ok_or_else(|| ApiError::unknown_controller(id))?;
+        session.ownership.owner.allow(client)?;
+        open.remove(&key);
+        Ok(())
     }
 }
 

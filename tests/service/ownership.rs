@@ -22,20 +22,26 @@ fn step(service: &Service, session: &str, headers: &[(&str, &str)], sequence: u6
 }
 
 #[test]
-fn only_the_owner_steps_a_session_with_an_owner() {
+fn only_the_owner_steps_replaces_and_ends_a_session_with_an_owner() {
     let service = Service::start();
     let owner = ("revprio-owner", "robot-cell-7");
     let session = open(&service, &[owner]).location.unwrap();
     step(&service, &session, &[owner], 1).accepted();
+    let change = |method: &str, headers: &[(&str, &str)]| {
+        service.send(method, &session, &[&[JSON], headers].concat(), &example("controller.json").to_string())
+    };
     for stranger in [&[][..], &[("revprio-owner", "robot-cell-8")], &[("revprio-owner", "robot-cell-77")]] {
-        let refused = step(&service, &session, stranger, 2);
-        refused.assert_refused(403, None);
-        assert_eq!(refused.json()["type"], "/problems/owner");
+        for refused in [step(&service, &session, stranger, 2), change("PUT", stranger), change("DELETE", stranger)] {
+            refused.assert_refused(403, None);
+            assert_eq!(refused.json()["type"], "/problems/owner");
+        }
     }
+    change("PUT", &[owner]).accepted();
     assert_eq!(step(&service, &session, &[owner], 2).accepted()["sequence"], 2);
     let shown = service.get(&session).text;
     assert!(!shown.contains("robot-cell"), "the token is a secret: {shown}");
-    assert_eq!(service.delete(&session).status, 204);
+    assert_eq!(change("DELETE", &[owner]).status, 204);
+    assert_eq!(service.get(&session).status, 404);
 }
 
 #[test]

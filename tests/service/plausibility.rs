@@ -197,6 +197,7 @@ fn the_validity_is_at_most_the_configured_one_and_shorter_near_a_limit() {
     let open = |valid: Option<u64>| {
         Session::open(|controller| {
             controller["tasks"] = fast.clone();
+            controller["limits"] = json!("position_velocity");
             if let Some(valid) = valid {
                 controller["valid_for_ms"] = json!(valid);
             }

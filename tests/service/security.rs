@@ -127,6 +127,8 @@ fn an_allowed_page_can_call_and_read_answers() {
     let preflight = service.send("OPTIONS", "/v1/step", &headers, "");
     assert_eq!((preflight.status, preflight.header("access-control-allow-origin")), (200, Some(page)));
     assert!(preflight.header("access-control-allow-headers").unwrap().contains("authorization"));
+    let methods = preflight.header("access-control-allow-methods").unwrap();
+    assert!(["GET", "POST", "PUT", "DELETE"].iter().all(|method| methods.contains(method)), "{methods}");
     let answer = service.send("GET", "/v1/robots", &[("origin", page)], "");
     assert_eq!((answer.status, answer.header("access-control-allow-origin")), (200, Some(page)));
     let other = service.send("GET", "/v1/robots", &[("origin", "https://evil.example")], "");

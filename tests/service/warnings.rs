@@ -9,6 +9,7 @@ use crate::robots::{CRANK, registration};
 fn at_the_wall(lag_s: f64) -> Value {
     let mut controller = example("controller.json");
     controller["environment"] = json!({"x": {"stiffness": 1e5}, "lag_s": lag_s});
+    controller["method"] = json!("strict_reverse_priority");
     controller
 }
 
@@ -226,7 +227,7 @@ fn the_length_that_suits_a_small_arm_is_named_and_accepted() {
     let small = CRANK.replace("xyz=\"2 0 0\"", "xyz=\"0.05 0 0\"");
     service.post("/v1/robots", &registration("small", &small).to_string()).accepted();
     let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.01]}});
-    let mut controller = json!({"robot": "small", "period_s": 0.01, "limits": "position_velocity", "tasks": [{"name": "pull", "axes": ["y"], "law": law}]});
+    let mut controller = json!({"robot": "small", "period_s": 0.01, "limits": "none", "tasks": [{"name": "pull", "axes": ["y"], "law": law}]});
     let velocity = |controller: &Value| {
         let state = json!({"sequence": 0, "time_s": 0.0, "joint_position": [0.0]});
         service.call(&format!("{}/step", service.open(controller)), &state)["joint_velocity"][0].as_f64().unwrap()

@@ -51,6 +51,7 @@ pub enum Call {
     },
     Delete {
         session: String,
+        owner: Option<String>,
     },
     List,
     /// Another route, and the status of its answer.
@@ -134,7 +135,9 @@ impl Call {
                 optional(request, "revprio-owner", owner)
             }
             Self::Show { session } => Request::new("GET", format!("/v1/controllers/{session}"), id),
-            Self::Delete { session } => Request::new("DELETE", format!("/v1/controllers/{session}"), id),
+            Self::Delete { session, owner } => {
+                optional(Request::new("DELETE", format!("/v1/controllers/{session}"), id), "revprio-owner", owner)
+            }
             Self::List => Request::new("GET", "/v1/controllers", id),
             Self::Ready => Request::new("GET", "/readyz", id),
             Self::Other { method, path, host, .. } => {
@@ -167,7 +170,9 @@ impl Call {
                 )
             }
             Self::Show { session } => format!("show {}", short(session)),
-            Self::Delete { session } => format!("delete {}", short(session)),
+            Self::Delete { session, owner } => {
+                format!("delete {} owner {}", short(session), owner.as_deref().map_or("none".to_owned(), short))
+            }
             Self::List => "list".to_owned(),
             Self::Ready => "ready?".to_owned(),
             Self::Other { method, path, host, .. } => format!("{method} {path} host {host}"),

@@ -13,7 +13,7 @@ use crate::random::Random;
 pub struct Design {
     pub wire: Arc<wire::Controller>,
     pub robot: Arc<RobotModel>,
-    /// Whether its steps run in another thread.
+    /// Whether its steps may run in another thread: its tasks are many, or its solver is one of those to compare with.
     pub is_large: bool,
 }
 
@@ -40,6 +40,7 @@ impl Design {
         if random.one_in(4) {
             controller["state_checks"] = json!({"max_force_n": 100, "position_tolerance": 0.05});
         }
+        let is_large = is_large || controller["solver"] != "auto";
         let wire = serde_json::from_value(controller).unwrap();
         Self { wire: Arc::new(wire), robot, is_large }
     }

@@ -138,7 +138,8 @@ impl Client {
 
     fn delete(&self, path: &str) -> Result<(), ClientError> {
         let url = format!("{}{path}", self.base);
-        let mut response = check_sent(self.agent.delete(&url).call(), &url)?;
+        let request = self.agent.delete(&url).header(OWNER, &self.owner);
+        let mut response = check_sent(request.call(), &url)?;
         if response.status().is_success() { Ok(()) } else { Err(refused(&mut response, &url)) }
     }
 

@@ -9,7 +9,7 @@ use revprio_robot::Joint;
 
 use super::checks::{Inside, Result, check, each, foreign};
 use super::controller::MAX_VALID_FOR_MS;
-use super::numbers::{check_numbers, joint_index, joint_list, number, numbers};
+use super::numbers::{check_numbers, joint_index, joint_list, number, numbers, time};
 use super::rest_memory::{rest_state, rest_state_answer};
 use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
@@ -41,6 +41,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
     let last_command = joints(&memory.last_command, "/last_command")?;
     Ok(Memory {
         task_velocities,
+        start_time_s: memory.start_time_s.map_or(Ok(0.0), |start| time(start, "/start_time_s"))?,
         initial_pose,
         drive: match &memory.drive {
             None => DriveState::moving(config.drive, &last_command),
@@ -100,7 +101,7 @@ fn stalls_answer(stalls: &[Stall], config: &ControllerConfig) -> Vec<wire::Stall
 /// Reads time and joint position of the last state, if the memory has both.
 fn last_position(memory: &wire::Memory, config: &ControllerConfig) -> Result<Option<(f64, Vec<f64>)>> {
     let (Some(time_s), Some(position)) = (memory.time_s, &memory.joint_position) else { return Ok(None) };
-    let time_s = number(time_s, "/time_s")?;
+    let time_s = time(time_s, "/time_s")?;
     Ok(Some((time_s, joint_list(position, config.robot.joint_count(), "/joint_position")?)))
 }
 
@@ -177,6 +178,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         sequence: last.sequence,
         time_s: Some(last.time_s),
         joint_position: Some(last.joint_position),
+        start_time_s: Some(memory.start_time_s).filter(|start| *start > 0.0),
         valid_for_ms: memory.answered.as_ref().map(|answered| answered.valid_for_ms),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {

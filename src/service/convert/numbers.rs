@@ -17,6 +17,9 @@ pub const MAX_JOINTS: usize = 128;
 /// Maximum magnitude of a number in a request. It is far above any quantity of an arm, and its square does not overflow.
 pub const MAX_MAGNITUDE: f64 = 1e9;
 
+/// Maximum magnitude of a time, s: the year 2286 on the clock of Unix, which is then exact to 2 µs.
+pub const MAX_TIME_S: f64 = 1e10;
+
 /// Minimum inertia of a law, kg on linear axes and kg·m² on angular axes. A fingertip has more. With much less, the command
 /// would jump at the first newton.
 pub const MIN_INERTIA: f64 = 1e-6;
@@ -36,6 +39,13 @@ pub fn between(value: f64, range: RangeInclusive<f64>, pointer: &str, detail: im
 pub fn number(value: f64, pointer: &str) -> Result<f64> {
     let detail = format_args!("{value:e} is out of range; give a number from -1e9 to 1e9");
     between(value, -MAX_MAGNITUDE..=MAX_MAGNITUDE, pointer, detail)
+}
+
+/// Checks a time on the clock of a client, which may be that of Unix.
+pub fn time(value: f64, pointer: &str) -> Result<f64> {
+    let detail =
+        format_args!("{value:e} is out of range; give seconds, from -1e10 to 1e10, not milliseconds or nanoseconds");
+    between(value, -MAX_TIME_S..=MAX_TIME_S, pointer, detail)
 }
 
 /// Checks a number that must not be negative.

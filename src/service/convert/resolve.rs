@@ -22,6 +22,7 @@ use super::pose::with_tool_offset;
 use super::resolve_task::task_stack;
 use super::terms;
 use crate::service::error::ApiError;
+use crate::service::request_warnings;
 use crate::service::robots::Robots;
 use crate::service::why::{Explained, NamedTask, Unit};
 
@@ -46,6 +47,8 @@ pub struct ResolveProblem {
     joint_limit_index: Option<f64>,
     /// What the sentences of the answer need, if the request wants them.
     why: Option<WhyInputs>,
+    /// Warnings about the request.
+    warnings: Vec<String>,
 }
 
 /// What the sentences of an answer need besides the problem.
@@ -98,6 +101,7 @@ pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<R
         limited,
         joint_limit_index: request.at().map(|(robot, at)| joint_limit_index(robot, at.joint_position())),
         why: body.why.then(|| request.why_inputs()),
+        warnings: request_warnings::of_problem(body, request.robot.as_deref()),
     })
 }
 
@@ -252,6 +256,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
     };
     wire::ResolveAnswer {
         joint_velocity: outcome.joint_velocity(),
+        warnings: problem.warnings.clone(),
         why: problem.why.as_ref().map(|inputs| why(problem, inputs, resolution)).unwrap_or_default(),
         tasks: outcome.tasks(|k| (requested(&tasks[k], &resolution.tasks[k].achieved), None)),
         active_limits: outcome.active_limits(),

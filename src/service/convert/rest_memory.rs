@@ -4,7 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{ControllerConfig, JointTurns, RestState, TaskGain};
 
 use super::checks::{Result, each, foreign};
-use super::numbers::{check_numbers, number};
+use super::numbers::{check_numbers, number, time};
 use super::target_memory::{value, value_answer};
 
 /// Reads the state. The controller checks its ranges.
@@ -16,7 +16,7 @@ pub fn rest_state(rest: &wire::RestState, config: &ControllerConfig) -> Result<R
     Ok(RestState {
         spent: number(rest.spent, "/spent")?,
         exhausted: rest.exhausted,
-        fading_since_s: rest.fading_since_s.map(|time| number(time, "/fading_since_s")).transpose()?,
+        fading_since_s: rest.fading_since_s.map(|since| time(since, "/fading_since_s")).transpose()?,
         joints: each("/joints", &rest.joints, |_, turns| joint_turns(turns))?,
         tasks,
     })

@@ -10,7 +10,7 @@ use tokio::time::Instant;
 
 use super::arm::arm_view;
 use super::checks::{Result, check};
-use super::numbers::{check_numbers, joint_names, joint_vector, number};
+use super::numbers::{check_numbers, joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
 use super::{targets, terms};
 use crate::service::error::ApiError;
@@ -33,7 +33,7 @@ pub fn check_sequence(last: u64, new: u64) -> Result<()> {
 pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measurement> {
     let robot = &controller.config().robot;
     check(state.sequence <= MAX_SEQUENCE, "/sequence", format_args!("give at most {MAX_SEQUENCE}"))?;
-    let time_s = number(state.time_s, "/time_s")?;
+    let time_s = time(state.time_s, "/time_s")?;
     let targets = targets::targets(&state.targets, time_s, controller)?;
     targets::check_times(&targets, time_s, controller)?;
     Ok(Measurement {

@@ -7,7 +7,7 @@ use revprio_core::law::TaskVector;
 use revprio_core::streaming::{LaterTarget, Reference, Target, TargetStream, TargetValue};
 
 use super::checks::{Inside, Result, each, foreign};
-use super::numbers::{check_numbers, number};
+use super::numbers::{check_numbers, time};
 use super::terms;
 
 /// Reads the streams of a memory.
@@ -37,12 +37,12 @@ fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<Target
 fn target(sample: &wire::TargetSample) -> Result<Target> {
     let velocity = sample.velocity.as_ref().map(|velocity| task_vector(velocity, "/velocity")).transpose()?;
     let value = value(sample.pose.as_ref(), sample.values.as_deref())?;
-    Ok(Target { time_s: number(sample.time_s, "/time_s")?, value, velocity })
+    Ok(Target { time_s: time(sample.time_s, "/time_s")?, value, velocity })
 }
 
 fn later_target(later: &wire::LaterTarget) -> Result<LaterTarget> {
     let value = value(later.pose.as_ref(), later.values.as_deref())?;
-    Ok(LaterTarget { time_s: number(later.time_s, "/time_s")?, value })
+    Ok(LaterTarget { time_s: time(later.time_s, "/time_s")?, value })
 }
 
 fn task_vector(values: &[f64], pointer: &str) -> Result<TaskVector> {

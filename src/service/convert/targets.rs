@@ -11,7 +11,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::pose as pose_of;
 
 use super::checks::{Inside, Refused, Result, check, each};
-use super::numbers::{by_name, check_numbers, number, numbers};
+use super::numbers::{by_name, check_numbers, number, numbers, time};
 use super::profile::PerRow;
 use crate::service::error::{ApiError, escape_pointer};
 
@@ -79,7 +79,7 @@ fn read(
             return Err(ApiError::invalid(format!("/{field}"), misfit(task)));
         }
     }
-    let time_s = given.time_s.map_or(Ok(time_s), |time_s| number(time_s, "/time_s"))?;
+    let time_s = given.time_s.map_or(Ok(time_s), |given| time(given, "/time_s"))?;
     let mut values = Vec::new();
     if let Some(pose) = &given.pose {
         values.push(read_pose(pose, task).inside("/pose")?);

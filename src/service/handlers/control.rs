@@ -210,8 +210,9 @@ pub async fn replace_controller(
     delete,
     path = "/v1/controllers/{id}",
     tag = "control",
+    params(Owner),
     responses((status = 204, description = "The session has ended."))
 )]
-pub async fn delete_controller(State(app): Shared, Segment(id): Segment) -> Result<StatusCode, ApiError> {
-    app.sessions.delete(&id).map(|()| StatusCode::NO_CONTENT)
+pub async fn delete_controller(State(app): Shared, Segment(id): Segment, owner: Owner) -> Result<StatusCode, ApiError> {
+    app.sessions.delete(&id, &owner).map(|()| StatusCode::NO_CONTENT)
 }

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE,
-    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_VALID_FOR_MS, MIN_INERTIA,
-    MIN_PERIOD_S, MIN_SPEED,
+    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_VALID_FOR_MS,
+    MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -84,8 +84,6 @@ fn request_ranges() -> Vec<FieldRange> {
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
         wire::JointDrive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
-        wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
-        wire::JerkState { acceleration: Items(1, MAX_JOINTS), requested: Items(1, MAX_JOINTS) }
         wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {
             axes: UniqueItems(1, 6),
@@ -135,14 +133,7 @@ fn request_ranges() -> Vec<FieldRange> {
             lag_s: NotNegative,
             delay_periods: UpTo(MAX_DELAY_PERIODS),
         }
-        wire::Memory {
-            task_velocities: Items(0, MAX_TASKS),
-            joint_position: Items(1, MAX_JOINTS),
-            valid_for_ms: Between(0.0, MAX_VALID_FOR_MS as f64),
-            last_command: Items(1, MAX_JOINTS),
-            active_set: Items(0, MAX_TASKS),
-            target_streams: Items(0, 2 * MAX_TASKS),
-        }
+        wire::State { time_s: Between(-MAX_TIME_S, MAX_TIME_S) }
         Scenario {
             duration_s: Positive,
             start_joint_position: Items(1, MAX_JOINTS),
@@ -174,6 +165,29 @@ fn request_ranges() -> Vec<FieldRange> {
     }
 }
 
+/// Returns the ranges of fields of memories, which are parts of requests.
+fn memory_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
+        wire::JerkState { acceleration: Items(1, MAX_JOINTS), requested: Items(1, MAX_JOINTS) }
+        wire::RestState { fading_since_s: Between(-MAX_TIME_S, MAX_TIME_S) }
+        wire::Progress {
+            slow_since_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            leaving_since_s: Between(-MAX_TIME_S, MAX_TIME_S),
+        }
+        wire::Memory {
+            time_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            start_time_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            task_velocities: Items(0, MAX_TASKS),
+            joint_position: Items(1, MAX_JOINTS),
+            valid_for_ms: Between(0.0, MAX_VALID_FOR_MS as f64),
+            last_command: Items(1, MAX_JOINTS),
+            active_set: Items(0, MAX_TASKS),
+            target_streams: Items(0, 2 * MAX_TASKS),
+        }
+    }
+}
+
 /// Returns the ranges of fields of streamed targets.
 fn target_ranges() -> Vec<FieldRange> {
     field_ranges! {
@@ -186,15 +200,20 @@ fn target_ranges() -> Vec<FieldRange> {
             max_acceleration: Positive,
         }
         wire::StreamedTarget {
+            time_s: Between(-MAX_TIME_S, MAX_TIME_S),
             velocity: Items(1, MAX_ROWS),
             force: Items(1, MAX_ROWS),
             ahead: Items(0, MAX_TARGETS_AHEAD),
         }
         wire::TargetAhead { after_s: Between(0.0, MAX_FORESIGHT) }
         wire::TargetStream { ahead: Items(0, MAX_TARGETS_AHEAD) }
-        wire::LaterTarget { values: Items(1, MAX_ROWS) }
+        wire::LaterTarget { time_s: Between(-MAX_TIME_S, MAX_TIME_S), values: Items(1, MAX_ROWS) }
         wire::StreamedPose { position: Items(3, 3) }
-        wire::TargetSample { values: Items(1, MAX_ROWS), velocity: Items(1, MAX_ROWS) }
+        wire::TargetSample {
+            time_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            values: Items(1, MAX_ROWS),
+            velocity: Items(1, MAX_ROWS),
+        }
         wire::VirtualArm {
             postures: Rows([TIMES_AHEAD.len(), TIMES_AHEAD.len()], [1, MAX_JOINTS]),
             next: UpTo(TIMES_AHEAD.len() - 1),
@@ -259,7 +278,7 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [request_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;

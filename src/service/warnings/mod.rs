@@ -3,25 +3,54 @@
 mod contact;
 mod free_space;
 mod targets;
+mod weights;
 
 use revprio_api::wire;
-use revprio_core::controller::{ControllerConfig, SteepGain};
+use revprio_core::controller::{ControllerConfig, Limits, SteepGain};
+use revprio_core::limits::LimitKind;
+use revprio_robot::Joint;
 
 use super::error::ApiError;
+use super::request_warnings;
 
 pub use targets::warn as warn_about_targets;
+pub use weights::warn as warn_about_weights;
 
 /// Reaches of arms that the default characteristic length of 1 m suits, m.
 const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 
 /// Returns the warnings about a controller, which must be checked before: unstable contacts, laws that are unstable in free space,
-/// steep gains, then a damping that does not suit the size of the arm.
+/// steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
 pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
     let mut warnings = contact::warnings(request)?;
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));
+    warnings.extend(of_first_step(request, config));
     Ok(warnings)
+}
+
+/// Returns the warnings about a checked controller that the first answer repeats, for loops without a session: a method that does
+/// not keep the order of the tasks, numbers in the wrong unit, and missing limits.
+pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> Vec<String> {
+    let mut warnings = request_warnings::of_controller(request, &config.robot);
+    warnings.extend(missing_accelerations(config));
+    warnings
+}
+
+/// A drive may trip when commands change faster than it can.
+fn missing_accelerations(config: &ControllerConfig) -> Option<String> {
+    let Limits::Robot(kind @ (LimitKind::PositionVelocity | LimitKind::Velocity)) = config.limits else { return None };
+    let is_known = |joint: &Joint| joint.limits.acceleration.is_finite();
+    let known = config.robot.joints().iter().any(is_known);
+    let name = if kind == LimitKind::Velocity { "velocity" } else { "position_velocity" };
+    known.then(|| {
+        format!(
+            "the limits `{name}` leave out the acceleration limits of `{}`: commands may jump from one speed to another, and a \
+             drive may trip; use `position_velocity_acceleration` on an arm",
+            config.robot.name()
+        )
+    })
 }
 
 /// Singular values of linear rows are proportional to the size of the arm, and the thresholds of damping are not.

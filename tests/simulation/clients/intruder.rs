@@ -16,7 +16,10 @@ pub async fn run(client: &mut Client) {
         sessions.push(client.random.word());
         let session = client.random.pick(&sessions);
         let call = match client.random.below(12) {
-            0 => Call::Delete { session },
+            0 => {
+                let owner = owner(client, &session);
+                Call::Delete { session, owner }
+            }
             1 => Call::Show { session },
             2 => Call::List,
             _ => step(client, session),
@@ -26,22 +29,27 @@ pub async fn run(client: &mut Client) {
     }
 }
 
-/// A step with no owner token, a wrong one, or the right one.
-fn step(client: &mut Client, session: String) -> Call {
-    let (design, owner, last) = {
-        let oracle = client.world.oracle();
-        let known = oracle.sessions.get(&session);
-        let last = oracle.last_state(&session).map_or(0, |state| state.sequence);
-        (known.map(|known| known.design.clone()), known.and_then(|known| known.owner.clone()), last)
-    };
-    let random = &mut client.random;
-    let owner = match random.below(6) {
+/// Returns no owner token, a wrong one, or the right one.
+fn owner(client: &mut Client, session: &str) -> Option<String> {
+    let owner = client.world.oracle().sessions.get(session).and_then(|known| known.owner.clone());
+    match client.random.below(6) {
         0 => owner,
-        1 => Some(random.word()),
+        1 => Some(client.random.word()),
         // Almost the right one.
         2 => owner.map(|owner| owner[..owner.len() - 1].to_owned()),
         _ => None,
+    }
+}
+
+/// A step with some owner token.
+fn step(client: &mut Client, session: String) -> Call {
+    let (design, last) = {
+        let oracle = client.world.oracle();
+        let last = oracle.last_state(&session).map_or(0, |state| state.sequence);
+        (oracle.sessions.get(&session).map(|known| known.design.clone()), last)
     };
+    let owner = owner(client, &session);
+    let random = &mut client.random;
     let design = design.unwrap_or_else(|| crate::controllers::Design::random(random));
     let sequence = last.saturating_add(random.from(0, 3)).saturating_sub(1);
     let state = Arc::new(wild_state(&design, sequence, random));

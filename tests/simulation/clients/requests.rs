@@ -89,7 +89,8 @@ async fn perform(client: &mut Client, pilot: &mut Pilot, link: &mut Option<Link>
         Act::Look => look(client, pilot, link).await,
         Act::OpenAgain => pilot.open_again(client, link).await,
         Act::Delete => {
-            client.call(link, Call::Delete { session: pilot.session.clone().unwrap_or_default() }).await;
+            let (session, owner) = (pilot.session.clone().unwrap_or_default(), pilot.owner());
+            client.call(link, Call::Delete { session, owner }).await;
             if client.random.one_in(2) {
                 pilot.forget();
             }

@@ -37,7 +37,7 @@ impl Oracle {
                 None => expect(answer, &[404, 400, 422, 415]),
             },
             Call::Show { session } => self.shown(session, instance, sent, answer),
-            Call::Delete { session } => self.deleted(session, instance, sent, answer),
+            Call::Delete { session, owner } => self.deleted((session, owner.as_ref()), instance, sent, answer),
             Call::List => expect(answer, &[200]),
             Call::Ready => expect(answer, &[200, 503]),
             Call::Other { status, .. } => expect(answer, &[*status]),
@@ -139,16 +139,25 @@ impl Oracle {
         Ok(())
     }
 
-    fn deleted(&mut self, id: &str, instance: u32, sent: &Sent, answer: &Answer) -> Result<(), Violation> {
+    fn deleted(
+        &mut self,
+        (id, owner): (&str, Option<&String>),
+        instance: u32,
+        sent: &Sent,
+        answer: &Answer,
+    ) -> Result<(), Violation> {
         let idle = self.config.session_idle;
         let Some(session) = self.sessions.get_mut(id) else { return expect(answer, &[404]) };
         match answer.status {
+            403 if !session.allows(owner) => Ok(()),
+            204 if !session.allows(owner) => Err("a stranger deleted the session".to_owned()),
             204 if session.is_deleted || session.instance != instance => Err("deleted twice".to_owned()),
             204 => {
                 session.is_deleted = true;
                 Ok(())
             }
             404 if sent.was_gone || session.may_be_gone_without(idle) => Ok(()),
+            404 if !session.allows(owner) && session.may_be_gone(idle) => Ok(()),
             _ => expect(answer, &[204]),
         }
     }

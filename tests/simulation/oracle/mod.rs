@@ -86,11 +86,12 @@ impl Oracle {
                     session.send(is_heard.then_some(state), client);
                 }
             }
-            Call::Show { session } | Call::Delete { session } => {
+            Call::Show { session } | Call::Delete { session, .. } => {
                 if let Some(session) = self.sessions.get_mut(session) {
                     sent.was_gone = session.must_be_gone(instance, idle);
                     sent.floor = session.floor();
-                    session.deletions += u32::from(matches!(call, Call::Delete { .. }) && session.instance == instance);
+                    let deletes = matches!(call, Call::Delete { owner, .. } if session.allows(owner.as_ref()));
+                    session.deletions += u32::from(deletes && session.instance == instance);
                 }
             }
             Call::List | Call::Ready | Call::Other { .. } | Call::Once { .. } => (),

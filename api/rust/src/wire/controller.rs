@@ -17,7 +17,8 @@ pub struct Controller {
     pub robot: String,
     /// Control period T, s: the time from one state to the next, as your loop keeps it.
     pub period_s: f64,
-    /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
+    /// Resolution method, the meaning of priorities. Set another one only to compare; default
+    /// `strict_reverse_priority`.
     #[serde(default)]
     pub method: Method,
     /// Solver of each period's problem. Keep the default on an arm: `qp` is a second, slower solver to compare with, and

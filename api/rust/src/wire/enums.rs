@@ -78,10 +78,11 @@ pub enum Method {
     TaskPriority,
     /// Singularity-robust task priority: lower tasks are projected into the null space of higher tasks.
     SingularityRobust,
-    /// Reverse priority: tasks are added from the lowest to the highest; default.
-    #[default]
+    /// Reverse priority of the paper: tasks are added from the lowest to the highest. It keeps the order of two tasks; from
+    /// three tasks on, a lower one can disturb a higher one.
     ReversePriority,
-    /// Reverse priority, strict for any number of tasks (the lexicographic hierarchy).
+    /// Reverse priority, strict for any number of tasks (the lexicographic hierarchy); default.
+    #[default]
     StrictReversePriority,
 }
 

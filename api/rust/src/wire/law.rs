@@ -118,7 +118,46 @@ pub enum Law {
     },
 }
 
+/// What a law follows, besides forces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawTarget<'a> {
+    /// A velocity of the rows.
+    Velocity(&'a Profile),
+    /// A pose of the reference point.
+    Pose {
+        /// The pose.
+        pose: &'a TargetPose,
+        /// What is added to it over time.
+        displacement: Option<&'a Profile>,
+    },
+    /// Positions of joints.
+    Joints {
+        /// Their names; `None`: all joints.
+        names: Option<&'a [String]>,
+        /// Their positions.
+        position: &'a Profile,
+    },
+    /// Neither a pose nor a velocity, or the middle of ranges.
+    None,
+}
+
 impl Law {
+    /// Returns what the law follows, besides forces.
+    pub fn target(&self) -> LawTarget<'_> {
+        match self {
+            Self::Velocity { target_velocity } => LawTarget::Velocity(target_velocity),
+            Self::Pose { target_pose, target_displacement, .. }
+            | Self::Impedance { target_pose, target_displacement, .. }
+            | Self::Hybrid { target_pose, target_displacement, .. } => {
+                LawTarget::Pose { pose: target_pose, displacement: target_displacement.as_ref() }
+            }
+            Self::Posture { joints, target_position: PostureTarget::Profile(position), .. } => {
+                LawTarget::Joints { names: joints.as_deref(), position }
+            }
+            Self::Posture { .. } | Self::Force { .. } => LawTarget::None,
+        }
+    }
+
     /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
     pub fn integrates(&self) -> bool {
         matches!(self, Self::Force { .. } | Self::Impedance { .. } | Self::Hybrid { .. })

@@ -42,7 +42,7 @@ pub use enums::{
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
-pub use law::{Law, MotionPath, PostureTarget};
+pub use law::{Law, LawTarget, MotionPath, PostureTarget};
 pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
 pub use outcome::{

@@ -25,7 +25,7 @@ impl<T: Copy> PerAxis<T> {
     }
 }
 
-/// A set-point over time.
+/// A set-point over time, on the clock of the states. On the clock of Unix (times above 1e9 s) it counts from the first state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Profile {

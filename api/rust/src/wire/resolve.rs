@@ -29,7 +29,8 @@ pub struct ResolveRequest {
     /// The tasks, highest priority first: put first what must not give way.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ResolveTask>,
-    /// Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`.
+    /// Resolution method, the meaning of priorities. Set another one only to compare; default
+    /// `strict_reverse_priority`.
     #[serde(default)]
     pub method: Method,
     /// Solver. Keep the default on an arm: `qp` is a second, slower solver to compare with, and `closed_form` ignores
@@ -112,6 +113,10 @@ pub struct ResolveTask {
 pub struct ResolveAnswer {
     /// Joint velocity q̇, the command, in joint order, rad/s or m/s.
     pub joint_velocity: Vec<f64>,
+    /// Warnings: numbers that are probably in another unit, and a method that does not keep the order of the tasks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["task `hand`: 300 m/s along x is faster than arms are; velocities are in m/s, not in mm/s"]))]
+    pub warnings: Vec<String>,
     /// Sentences that say what restricts the joint velocities, then what each task gives up; only if the request has
     /// `"why": true`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -19,7 +19,8 @@ pub struct State {
     /// again.
     #[serde(deserialize_with = "integer::deserialize")]
     pub sequence: u64,
-    /// Time t of the measurement, s, on any clock that runs evenly.
+    /// Time t of the measurement, s, on any clock that runs evenly. Profiles count on the same clock; on the clock of Unix
+    /// (times above 1e9 s) they count from the first state.
     pub time_s: f64,
     /// Measured joint position q, rad or m, in joint order or by name.
     pub joint_position: JointVector,
@@ -80,6 +81,10 @@ pub struct Memory {
     #[schema(example = 100)]
     #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub valid_for_ms: Option<u64>,
+    /// Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9 s.
+    #[schema(example = 1_780_000_000.0)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_time_s: Option<f64>,
     /// Integrator velocity of each task, m/s and rad/s.
     pub task_velocities: Vec<Vec<f64>>,
     /// Tool pose at the first step, base frame, m.

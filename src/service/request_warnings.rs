@@ -1,0 +1,255 @@
+//! Warnings about what a request states: a method that does not keep the order of its tasks, and numbers that are probably in
+//! another unit, degrees in place of radians, millimetres in place of metres.
+
+use nalgebra::Vector3;
+use revprio_api::wire::{self, Axis, LawTarget, PerAxis};
+use revprio_core::controller::Controller;
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
+use revprio_robot::{Joint, RobotModel};
+
+/// Distance of a target from the base above which it is reported, reaches of the arm. Targets beyond reach are common, and
+/// they are near: the next unit is a thousand times larger.
+const FAR_REACHES: f64 = 3.0;
+
+/// Reach that even a short arm counts as having, m: its first joint may stand off the base.
+const SMALLEST_REACH_M: f64 = 0.3;
+
+/// Speed of a tool above which it is reported, m/s. The fastest industrial robots reach 10 m/s.
+const FAST_M_S: f64 = 15.0;
+
+/// Angular velocity of a tool above which it is reported, rad/s: 10 turns a second.
+const FAST_RAD_S: f64 = 20.0 * std::f64::consts::PI;
+
+/// Rotation vector above which it is reported, rad: a whole turn.
+const WHOLE_TURN: f64 = 2.0 * std::f64::consts::PI;
+
+/// Distance outside the range of a joint that is reported, rad or m. Some joint of an arm is as far outside in degrees, and in
+/// millimetres.
+const OUTSIDE: f64 = 1.0;
+
+/// Speed of a joint above which it is reported, speed limits of the joint. Degrees are 57 times as many as radians.
+const FAST_JOINT: f64 = 3.0;
+
+/// Returns the warnings about the method and the targets of a checked controller.
+pub fn of_controller(request: &wire::Controller, robot: &RobotModel) -> Vec<String> {
+    let order = disturbed_order(request.method, request.tasks.len());
+    let tasks = request.tasks.iter().flat_map(|task| {
+        let about = About { task: &task.name, robot };
+        task.law.iter().flat_map(move |law| about.law(task, law)).collect::<Vec<_>>()
+    });
+    let posture = match &request.null_space_velocity {
+        Some(wire::NullSpaceVelocity::Motion(wire::NullSpaceMotion::Posture { joint_position, .. })) => {
+            joints_outside(robot, joint_position)
+        }
+        _ => Vec::new(),
+    };
+    let posture = posture.into_iter().map(|joint| format!("null-space velocity: its target of {joint}"));
+    order.into_iter().chain(tasks).chain(posture).collect()
+}
+
+/// Returns the warnings about a checked problem.
+pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) -> Vec<String> {
+    let mut warnings: Vec<String> = disturbed_order(request.method, request.tasks.len()).into_iter().collect();
+    if let Some(robot) = robot {
+        let outside = request.joint_position.as_ref().map(|position| joints_outside(robot, position));
+        warnings.extend(outside.unwrap_or_default());
+        warnings.extend(request.joint_velocity.iter().flat_map(|velocity| fast_joints(robot, velocity)));
+    }
+    for (k, task) in request.tasks.iter().enumerate() {
+        let name = task.name.clone().unwrap_or_else(|| format!("task {}", k + 1));
+        let (Some(axes), Some(velocity)) = (&task.axes, &task.velocity) else { continue };
+        let fast = axes.iter().zip(velocity).filter_map(|(axis, velocity)| too_fast(*axis, *velocity));
+        warnings.extend(fast.map(|fast| format!("task `{name}`: {fast}")));
+    }
+    warnings
+}
+
+/// Adds the warnings about the targets of a state.
+pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, targets: &[StreamedTarget]) {
+    let config = controller.config();
+    for target in targets {
+        let task = &config.tasks[target.task];
+        let about = About { task: &task.name, robot: &config.robot };
+        match &target.value {
+            StreamedValue::Pose { position: Some(position), .. } => {
+                let frame = task.rows.fixed_frame();
+                let in_base = frame.map_or(*position, |frame| frame.transform_point(&(*position).into()).coords);
+                warnings.extend(about.position(in_base));
+            }
+            StreamedValue::JointPosition(values) => {
+                let joints = task.rows.joints().iter().map(|&joint| &config.robot.joints()[joint]);
+                warnings.extend(joints.zip(values).filter_map(|(joint, value)| about.joint(joint, *value)));
+            }
+            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => {}
+        }
+    }
+}
+
+/// Reverse priority of the paper keeps the order of two tasks. From three on, a task that is added later disturbs those below it,
+/// which are not corrected any more.
+fn disturbed_order(method: wire::Method, tasks: usize) -> Option<String> {
+    (method == wire::Method::ReversePriority && tasks > 2).then(|| {
+        format!(
+            "the method `{method}` does not keep the order of {tasks} tasks: from three tasks on, a lower one can disturb a \
+             higher one; use `strict_reverse_priority` unless you reproduce the paper"
+        )
+    })
+}
+
+/// The task that a warning is about, and its robot.
+#[derive(Clone, Copy)]
+struct About<'a> {
+    task: &'a str,
+    robot: &'a RobotModel,
+}
+
+impl About<'_> {
+    /// Returns the warnings about the target of a law.
+    fn law(self, task: &wire::ControllerTask, law: &wire::Law) -> Vec<String> {
+        let axes = task.axes.as_deref().unwrap_or_default();
+        match law.target() {
+            LawTarget::Velocity(velocity) => self.rows(axes, velocity, too_fast),
+            LawTarget::Pose { pose, displacement } => {
+                let pose = match pose {
+                    wire::TargetPose::Fixed(pose) => self.position(stated_position(&task.frame, pose)),
+                    wire::TargetPose::Initial => None,
+                };
+                let displaced = |profile| self.rows(axes, profile, |axis, value| self.displacement(axis, value));
+                pose.into_iter().chain(displacement.map(displaced).unwrap_or_default()).collect()
+            }
+            LawTarget::Joints { names, position } => {
+                let moves = |joint: &&Joint| names.is_none_or(|names| names.contains(&joint.name));
+                let worst = |(row, joint): (usize, &Joint)| {
+                    values(position, row).into_iter().find_map(|q| self.joint(joint, q))
+                };
+                self.robot.joints().iter().filter(moves).enumerate().filter_map(worst).collect()
+            }
+            LawTarget::None => Vec::new(),
+        }
+    }
+
+    /// Returns the first warning about each row of a profile.
+    fn rows(self, axes: &[Axis], profile: &wire::Profile, check: impl Fn(Axis, f64) -> Option<String>) -> Vec<String> {
+        let of_row =
+            |(row, &axis): (usize, &Axis)| values(profile, row).into_iter().find_map(|value| check(axis, value));
+        let name = |text| format!("task `{}`: {text}", self.task);
+        axes.iter().enumerate().filter_map(of_row).map(name).collect()
+    }
+
+    /// Returns the distance that no target of the arm has, m.
+    fn far(self) -> f64 {
+        FAR_REACHES * self.robot.reach().max(SMALLEST_REACH_M)
+    }
+
+    /// Returns the warning about the position of a target, base frame, m.
+    fn position(self, position: Vector3<f64>) -> Option<String> {
+        let (distance, reach) = (position.norm(), self.robot.reach());
+        (distance > self.far()).then(|| {
+            format!(
+                "task `{}`: its target is {distance:.1} m from the base, and the arm reaches {reach:.2} m; positions are in \
+                 m, not in mm",
+                self.task
+            )
+        })
+    }
+
+    fn displacement(self, axis: Axis, value: f64) -> Option<String> {
+        if is_linear(axis) {
+            let far = value.abs() > self.far();
+            far.then(|| format!("a displacement of {value} m along {axis}; lengths are in m, not in mm"))
+        } else {
+            let far = value.abs() > WHOLE_TURN;
+            far.then(|| format!("a displacement of {value} rad about {axis}; angles are in rad, not in degrees"))
+        }
+    }
+
+    fn joint(self, joint: &Joint, value: f64) -> Option<String> {
+        outside(joint, value).map(|text| format!("task `{}`: its target of {text}", self.task))
+    }
+}
+
+/// Returns the position of a stated pose in the base frame, m.
+fn stated_position(frame: &wire::Frame, pose: &wire::Pose) -> Vector3<f64> {
+    let position = Vector3::from(pose.position);
+    match frame {
+        wire::Frame::Base | wire::Frame::Tool => position,
+        wire::Frame::Fixed(frame) => {
+            let wire::Orientation { w, x, y, z } = frame.orientation;
+            match revprio_robot::kinematics::pose(frame.position, [w, x, y, z]) {
+                Ok(frame) => frame.transform_point(&position.into()).coords,
+                Err(_) => position,
+            }
+        }
+    }
+}
+
+fn is_linear(axis: Axis) -> bool {
+    matches!(axis, Axis::X | Axis::Y | Axis::Z)
+}
+
+/// Describes a velocity that no arm has.
+fn too_fast(axis: Axis, velocity: f64) -> Option<String> {
+    if is_linear(axis) {
+        let fast = velocity.abs() > FAST_M_S;
+        fast.then(|| format!("{velocity} m/s along {axis} is faster than arms are; velocities are in m/s, not in mm/s"))
+    } else {
+        let fast = velocity.abs() > FAST_RAD_S;
+        fast.then(|| {
+            format!("{velocity} rad/s about {axis} is faster than arms are; velocities are in rad/s, not in °/s")
+        })
+    }
+}
+
+/// Describes a position outside the range of a joint.
+fn outside(joint: &Joint, position: f64) -> Option<String> {
+    let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
+    let is_outside = position < lower - OUTSIDE || position > upper + OUTSIDE;
+    is_outside.then(|| {
+        format!(
+            "joint `{name}` at {position} is outside its range {lower} … {upper}; positions are in rad or m, not in degrees \
+             or mm"
+        )
+    })
+}
+
+fn joints_outside(robot: &RobotModel, position: &wire::JointVector) -> Vec<String> {
+    by_joint(robot, position).filter_map(|(joint, q)| outside(joint, q)).collect()
+}
+
+fn fast_joints(robot: &RobotModel, velocity: &wire::JointVector) -> Vec<String> {
+    let fast = |(joint, v): (&Joint, f64)| {
+        let (name, limit, unit) = (&joint.name, joint.limits.velocity, joint.kind.unit());
+        let text =
+            || format!("joint `{name}` moves at {v} {unit}/s, and its speed limit is {limit} {unit}/s; check the unit");
+        (v.abs() > FAST_JOINT * limit).then(text)
+    };
+    by_joint(robot, velocity).filter_map(fast).collect()
+}
+
+/// Returns each joint with its value.
+fn by_joint<'a>(robot: &'a RobotModel, vector: &'a wire::JointVector) -> impl Iterator<Item = (&'a Joint, f64)> {
+    let joints = robot.joints().iter().enumerate();
+    joints.filter_map(move |(index, joint)| match vector {
+        wire::JointVector::Ordered(values) => values.get(index).map(|value| (joint, *value)),
+        wire::JointVector::Named(named) => {
+            named.iter().find(|(name, _)| *name == joint.name).map(|(_, value)| (joint, *value))
+        }
+    })
+}
+
+/// Returns values that a row of a profile reaches, the largest among them.
+fn values(profile: &wire::Profile, row: usize) -> Vec<f64> {
+    let at = |values: &PerAxis<f64>| values.at(row);
+    let found = match profile {
+        wire::Profile::Constant { value } => vec![at(value)],
+        wire::Profile::Sine { offset, amplitude, .. } => {
+            let sum = |sign: f64| Some(at(offset)? + sign * at(amplitude)?);
+            vec![sum(1.0), sum(-1.0)]
+        }
+        wire::Profile::Ramp { start, end, .. } => vec![at(start), at(end)],
+        wire::Profile::Steps { points } | wire::Profile::Waypoints { points } => {
+            points.iter().map(|point| at(&point.value)).collect()
+        }
+    };
+    found.into_iter().flatten().collect()
+}
