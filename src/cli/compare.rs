@@ -1,7 +1,5 @@
 //! `revprio compare`
 
-use std::path::PathBuf;
-
 use clap::ValueEnum;
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::experiment::Experiment;
@@ -11,8 +9,10 @@ use revprio_lab::report::{self, Output, Report};
 use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::error::CliError;
-use super::experiment::{ExperimentRunner, make_directory, program, store, with_traces};
+use super::experiment::{ExperimentRunner, program, store, with_traces};
+use super::known::ScenarioName;
 use super::one_of::one_of;
+use super::out_directory::OutDirectory;
 use super::output::{print_remark, print_text};
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
@@ -21,7 +21,7 @@ use super::traces;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Names of built-in scenarios, or files (.toml or .json)
-    #[arg(required = true, value_name = "SCENARIO")]
+    #[arg(required = true, value_name = "SCENARIO", value_parser = ScenarioName, hide_possible_values = true)]
     scenarios: Vec<String>,
     /// Methods to compare, separated by commas
     #[arg(long, value_parser = one_of(&Method::ALL), value_delimiter = ',', default_values_t = DEFAULT_METHODS)]
@@ -37,9 +37,8 @@ pub struct Options {
     /// Your own robot instead of the robots of the scenarios
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
-    /// Output directory
-    #[arg(long, default_value = "revprio-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutDirectory,
     /// Kinds of files to write, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Kind::ALL)]
     write: Vec<Kind>,
@@ -94,7 +93,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         runner.warn(scenario)?;
     }
     // The service has answered. A wrong address or an invalid scenario leaves no directory.
-    make_directory(&options.out)?;
+    let out = options.out.create(&command(options))?;
     let (mut runs, mut failures) = (Vec::new(), Vec::new());
     for scenario in &own {
         for variant in variants(scenario, options) {
@@ -112,14 +111,14 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let experiment = experiment(options, &scenarios, runs, failures);
     let mut report = experiment.report();
     if options.write.contains(&Kind::Traces) {
-        store(&options.out, &experiment, &options.traces)?;
+        store(out, &experiment, &options.traces)?;
         report = with_traces(report, &experiment, &options.traces);
     }
     let outputs: Vec<Output> = options.write.iter().filter_map(|kind| kind.output()).collect();
-    report::write(&options.out, &report, &outputs)?;
+    report::write(out, &report, &outputs)?;
     print(options.format, &report)?;
-    let page = options.out.join("index.html");
-    let written = if outputs.contains(&Output::Page) { &page } else { &options.out };
+    let page = out.join("index.html");
+    let written = if outputs.contains(&Output::Page) { &page } else { out };
     print_remark(format_args!("\nwritten: {}", written.display()));
     Ok(())
 }

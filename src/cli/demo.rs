@@ -1,6 +1,6 @@
 //! `revprio demo`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::Output;
@@ -13,7 +13,8 @@ use revprio_lab::report::table::summary;
 use revprio_lab::simulator::{PAPER_SCENARIOS, Scenario};
 
 use super::error::CliError;
-use super::experiment::{label, make_directory, program, write_report};
+use super::experiment::{label, program, write_report};
+use super::out_directory::OutDirectory;
 use super::output::print_text;
 use super::parallel_runs::run_all;
 use super::traces;
@@ -21,9 +22,8 @@ use super::traces;
 #[derive(Debug, clap::Args)]
 #[command(after_help = SERVERS, mut_arg("traces", |traces| traces.default_value("parquet")))]
 pub struct Options {
-    /// Directory for recordings, figures and page
-    #[arg(long, default_value = "revprio-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutDirectory,
     /// Simulate only the first second of each experiment. The forces do not settle in it, so the claims of the paper are not
     /// judged. All checks of the solvers apply
     #[arg(long)]
@@ -61,14 +61,14 @@ const ALIKE: f64 = 1e-9;
 
 /// Runs the demo; `command`: the command line that started it.
 pub fn run(options: &Options, command: &str) -> Result<(), CliError> {
-    make_directory(&options.out)?;
+    let out = options.out.create(command)?;
     let scenarios = scenarios(options.quick)?;
     let (runs, mut failures) = finished(&scenarios, run_all(&scenarios, TITLE_OF_RUNS));
     failures.extend(solver_differences(&scenarios, &runs));
     failures.extend(clarabel_failures(&runs));
     let table = table(&runs);
     // The files first: they are there even if the table cannot be printed.
-    let page = write_page(options, command, runs, &failures);
+    let page = write_page((options, out), command, runs, &failures);
     let printed = print_text(table);
     let page = page?;
     let named =
@@ -131,7 +131,12 @@ fn finished(scenarios: &[Scenario], runs: Vec<Result<Run, CliError>>) -> (Vec<Ru
 }
 
 /// Writes the page with the results of all runs, and the figures and recordings of those that differ.
-fn write_page(options: &Options, command: &str, runs: Vec<Run>, failures: &[String]) -> Result<PathBuf, CliError> {
+fn write_page(
+    (options, out): (&Options, &Path),
+    command: &str,
+    runs: Vec<Run>,
+    failures: &[String],
+) -> Result<PathBuf, CliError> {
     let quick = options.quick.then_some(QUICK_QUESTION);
     let mut experiment = Experiment {
         title: "Force control with reverse task priority: the paper's experiments".to_owned(),
@@ -143,7 +148,7 @@ fn write_page(options: &Options, command: &str, runs: Vec<Run>, failures: &[Stri
     };
     let report = experiment.report();
     keep_different_runs(&mut experiment.runs);
-    write_report(&options.out, report, &[Output::Page, Output::Svg], &experiment, &options.traces)
+    write_report(out, report, &[Output::Page, Output::Svg], &experiment, &options.traces)
 }
 
 /// Removes the runs that move as an earlier run of their scenario does.

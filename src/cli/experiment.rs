@@ -137,11 +137,6 @@ fn print_missing_answers(recording: &Recording, label: &str) {
     }
 }
 
-/// Creates the output directory. Call it before the runs, so that an error is found early.
-pub fn make_directory(out: &Path) -> Result<(), CliError> {
-    std::fs::create_dir_all(out).map_err(|source| CliError::Directory { path: out.to_owned(), source })
-}
-
 /// Writes the recordings and their description.
 pub fn store(out: &Path, experiment: &Experiment, traces: &traces::Options) -> Result<(), CliError> {
     for run in &experiment.runs {

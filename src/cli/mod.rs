@@ -6,8 +6,10 @@ mod config;
 mod demo;
 mod error;
 mod experiment;
+mod known;
 mod one_of;
 mod openapi;
+mod out_directory;
 mod output;
 mod parallel_runs;
 mod progress_bar;
@@ -15,6 +17,7 @@ mod replay;
 mod report;
 mod resolve;
 mod robot;
+mod robots;
 mod scenarios;
 mod serve;
 mod service_choice;
@@ -59,6 +62,7 @@ const EXAMPLES: &str = "Examples:
   revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
   revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
   revprio report revprio-out                         write the page again from stored recordings
+  revprio robots check my_arm.urdf,tip=flange        show what is read from a robot file
   revprio serve --robot my_arm.urdf,tip=flange       serve your own robot
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
   revprio bench --only core,http                     measure speed next to other programs
@@ -80,6 +84,8 @@ enum Command {
     },
     /// List the scenarios that ship with the program.
     Scenarios,
+    /// List and show the built-in robots, and check a robot file.
+    Robots(robots::Options),
     /// Run one scenario with the built-in simulator against a service.
     Simulate(simulate::Options),
     /// Run scenarios with several methods and solvers and compare them side by side.
@@ -145,6 +151,7 @@ impl Cli {
             Command::Completions { shell } => completions(shell),
             Command::Load(arguments) => Ok(tool::run("load", &arguments)?),
             Command::Scenarios => scenarios::run(),
+            Command::Robots(options) => robots::run(&options),
             Command::Simulate(options) => simulate::run(&options),
             Command::Compare(options) => compare::run(&options),
             Command::Replay(options) => replay::run(&options),

@@ -1,15 +1,15 @@
 //! `revprio simulate`
 
-use std::path::PathBuf;
-
 use revprio_api::wire::{Method, Solver};
 use revprio_lab::report::experiment::Experiment;
 use revprio_lab::report::table::{self, side_by_side};
 use revprio_lab::simulator::{CallMode, Scenario};
 
 use super::error::CliError;
-use super::experiment::{ExperimentRunner, make_directory, program, write_results};
+use super::experiment::{ExperimentRunner, program, write_results};
+use super::known::ScenarioName;
 use super::one_of::one_of;
+use super::out_directory::OutDirectory;
 use super::output::print_text;
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
@@ -18,6 +18,7 @@ use super::traces;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Name of a built-in scenario, or a file (.toml or .json)
+    #[arg(value_parser = ScenarioName, hide_possible_values = true)]
     scenario: String,
     #[command(flatten)]
     service: ServiceChoice,
@@ -33,9 +34,8 @@ pub struct Options {
     /// Send the controller's memory with every request instead of using a session
     #[arg(long)]
     stateless: bool,
-    /// Directory for recording, figures and page
-    #[arg(long, default_value = "revprio-out")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutDirectory,
     #[command(flatten)]
     traces: traces::Options,
 }
@@ -50,16 +50,17 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
     runner.warn(&scenario)?;
     // The service has answered. A wrong address or an invalid scenario leaves no directory.
-    make_directory(&options.out)?;
+    let command = command(options, &scenario);
+    let out = options.out.create(&command)?;
     let experiment = Experiment {
         title: format!("{}: {}", scenario.name, scenario.description),
         question: Vec::new(),
-        command: command(options, &scenario),
+        command,
         program: program(),
         runs: vec![runner.run(&scenario)?],
         failures: Vec::new(),
     };
-    let page = write_results(&options.out, &experiment, &options.traces)?;
+    let page = write_results(out, &experiment, &options.traces)?;
     print_text(side_by_side::text(&table::rows(&experiment.runs)))?;
     Ok(print_text(format_args!("\nThe page with figure and recording: {}\n", page.display()))?)
 }

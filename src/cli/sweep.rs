@@ -19,7 +19,8 @@ use revprio_lab::simulator::recording::{Kind, Value};
 use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, Written, figures};
 
 use super::error::CliError;
-use super::experiment::make_directory;
+use super::known::ScenarioName;
+use super::out_directory::make_directory;
 use super::output::{print_remark, print_text};
 use super::progress_bar::progress_bar;
 use super::service_choice::server_address;
@@ -30,7 +31,7 @@ use super::text::{WIDTH, columns};
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Name of a built-in scenario, or a file (.toml or .json)
-    #[arg(required_unless_present = "merge")]
+    #[arg(required_unless_present = "merge", value_parser = ScenarioName, hide_possible_values = true)]
     scenario: Option<String>,
     /// A quantity and its values: a path in the scenario, then log:FROM..TO:COUNT, lin:FROM..TO:COUNT, or a list
     #[arg(long, value_name = "PATH=VALUES")]

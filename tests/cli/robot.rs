@@ -47,7 +47,7 @@ law = {{ kind = "force", inertia = [15.0], damping = [150.0], target_force = {{ 
 }
 
 fn trace(scratch: &Scratch, out: &str) -> Vec<u8> {
-    let path = scratch.path().join(out).join("planar_push-reverse_priority-auto.csv");
+    let path = scratch.path().join(out).join("planar_push-strict_reverse_priority-auto.csv");
     assert_eq!(Trace::read(&path).rows(), 200);
     std::fs::read(path).unwrap()
 }

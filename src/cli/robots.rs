@@ -1,0 +1,147 @@
+//! `revprio robots`: the robots that the program knows, and what it reads from a robot file.
+
+use revprio_robot::{Joint, RobotModel, built_in};
+
+use super::error::CliError;
+use super::known::known_robot;
+use super::output::print_text;
+use super::robot::RobotArgument;
+use super::text::{WIDTH, columns, wrapped};
+
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// List the built-in robots (default)
+    List,
+    /// Show joints, limits and reach of a built-in robot
+    Show {
+        /// Name of a built-in robot
+        #[arg(value_parser = known_robot())]
+        robot: String,
+    },
+    /// Read a robot file as `serve --robot` does; show what was found, and what the file does not say
+    Check {
+        #[arg(value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP, value_hint = clap::ValueHint::FilePath)]
+        robot: RobotArgument,
+    },
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let text = match options.command.as_ref().unwrap_or(&Command::List) {
+        Command::List => list(),
+        Command::Show { robot } => {
+            built_in().iter().find(|known| known.name() == robot).map(|robot| shown(robot)).unwrap_or_default()
+        }
+        Command::Check { robot } => {
+            let robot = robot.read()?;
+            shown(&robot) + "\n" + &remarks(&robot)
+        }
+    };
+    Ok(print_text(text)?)
+}
+
+fn list() -> String {
+    let row = |robot: &RobotModel| {
+        vec![
+            robot.name().to_owned(),
+            robot.joint_count().to_string(),
+            format!("{:.2}", robot.reach()),
+            known_limits(robot).join(", "),
+        ]
+    };
+    let heading = ["robot", "joints", "reach (m)", "limits"].map(str::to_owned).to_vec();
+    let rows: Vec<_> = std::iter::once(heading).chain(built_in().iter().map(|robot| row(robot))).collect();
+    columns(&rows, |i| i == 1 || i == 2)
+}
+
+/// Returns the kinds of limits that some joint has.
+fn known_limits(robot: &RobotModel) -> Vec<&'static str> {
+    let has = |limit: fn(&Joint) -> f64| robot.joints().iter().any(|joint| limit(joint).is_finite());
+    let kinds = [
+        ("position", has(|joint| joint.limits.upper)),
+        ("speed", has(|joint| joint.limits.velocity)),
+        ("acceleration", has(|joint| joint.limits.acceleration)),
+        ("jerk", has(|joint| joint.limits.jerk)),
+    ];
+    kinds.into_iter().filter_map(|(kind, known)| known.then_some(kind)).collect()
+}
+
+/// Returns name, description, joints and reach of a robot.
+fn shown(robot: &RobotModel) -> String {
+    let heading = ["joint", "kind", "lower", "upper", "speed", "acceleration", "jerk"].map(str::to_owned).to_vec();
+    let rows: Vec<_> = std::iter::once(heading).chain(robot.joints().iter().map(row)).collect();
+    let description = wrapped(robot.description(), WIDTH).join("\n");
+    format!(
+        "{}: joints {}, reach {:.3} m\n{description}\n\n{}\nUnits: rad and rad/s for joints that turn, m and m/s for others. \
+         –: no limit is known.\n",
+        robot.name(),
+        robot.joint_count(),
+        robot.reach(),
+        columns(&rows, |i| i > 1)
+    )
+}
+
+fn row(joint: &Joint) -> Vec<String> {
+    let number = |value: f64| if value.is_finite() { format!("{value:.4}") } else { "–".to_owned() };
+    let limits = &joint.limits;
+    let kind = if joint.kind.unit() == "m" { "prismatic" } else { "revolute" };
+    let numbers = [limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk].map(number);
+    [joint.name.clone(), kind.to_owned()].into_iter().chain(numbers).collect()
+}
+
+/// Returns sentences about what a robot file leaves out, and what that means.
+fn remarks(robot: &RobotModel) -> String {
+    let without = |limit: fn(&Joint) -> f64| {
+        let joints = robot.joints().iter().filter(move |joint| !limit(joint).is_finite());
+        joints.map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let found = [
+        (without(|joint| joint.limits.upper), "no range: these joints turn without end"),
+        (
+            without(|joint| joint.limits.velocity),
+            "no speed limit: commands of these joints are not bounded. State `velocity`",
+        ),
+        (
+            without(|joint| joint.limits.acceleration),
+            "no acceleration limit: the speed of these joints may jump, and they brake from full speed in 0.25 s. State \
+             `acceleration` in the overrides file, from the data sheet",
+        ),
+    ];
+    let lines = found.iter().filter(|(joints, _)| !joints.is_empty());
+    let lines: Vec<_> =
+        lines.map(|(joints, text)| wrapped(&format!("{joints}: {text}."), WIDTH).join("\n") + "\n").collect();
+    if lines.is_empty() { "The file states all limits that a controller needs.\n".to_owned() } else { lines.concat() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_has_every_built_in_robot_and_its_limits() {
+        let text = list();
+        assert_eq!(text.lines().count(), 1 + built_in().len());
+        let sawyer = text.lines().find(|line| line.starts_with("sawyer_dh")).unwrap();
+        assert!(sawyer.contains(" 7 ") && sawyer.contains("position, speed, acceleration"), "{sawyer}");
+    }
+
+    #[test]
+    fn a_robot_is_shown_with_all_joints_and_what_is_not_known() {
+        for robot in built_in() {
+            let text = shown(robot);
+            assert!(robot.joints().iter().all(|joint| text.contains(&joint.name)), "{text}");
+            assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+            let complete = robot.joints().iter().all(|joint| {
+                joint.limits.acceleration.is_finite()
+                    && joint.limits.velocity.is_finite()
+                    && joint.limits.upper.is_finite()
+            });
+            assert_eq!(remarks(robot).contains("all limits"), complete);
+        }
+    }
+}
