@@ -20,14 +20,24 @@ Schema = dict[str, Any]
 NAMES = {"Controller": "ControllerConfig"}
 # Python types of schemas that are arrays of numbers. `PerAxis_f64` is one number for all axes or one for each.
 ARRAYS = {"PerAxis_f64": "ArrayLike", "JointVector": "JointVector"}
+# What Python users have at hand, and the type of `revprio.conversions` that takes it.
+BASES = {"Orientation": "Quaternion"}
+CONSTANTS = {"Profile", "PostureTarget"}
+FIELDS = {"RobotRegistrationUrdf": "UrdfText"}
+NOTES = {
+    "Orientation": "Four numbers in a list or an array are x, y, z, w, as in ROS and SciPy.",
+    "Profile": "A number or an array is a constant.",
+    "PostureTarget": "An array is a constant.",
+}
 SIMPLE = {"null": "None", "boolean": "bool", "integer": "int", "number": "float", "string": "str"}
 HEADER = '''"""The bodies of requests and answers. Generated from the OpenAPI document by `generate.py`; do not edit."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
+from numpy.typing import ArrayLike as AnyArrayLike
+from pydantic import BeforeValidator, Field
 
 from revprio.answers import Answer
 from revprio.bodies import (
@@ -42,6 +52,7 @@ from revprio.bodies import (
     UpperBounds,
     Vector,
 )
+from revprio.conversions import Quaternion, UrdfText, constant
 from revprio.problem import REMEDIES, Problem
 '''
 PROBLEM_HEADER = '''"""A refused request. Generated from the OpenAPI document by `generate.py`; do not edit."""
@@ -62,6 +73,8 @@ class Models:
     def __init__(self, document: Schema) -> None:
         """Writes the models of all schemas of an OpenAPI document."""
         self.schemas: dict[str, Schema] = document["components"]["schemas"]
+        for name, note in NOTES.items():
+            self.schemas[name]["description"] += f" {note}"
         self.requests = self._reachable_from_requests(document)
         self.written: dict[str, str] = {}
         for name in self.schemas:
@@ -94,14 +107,15 @@ class Models:
                 self.model(python, schema, is_request=name in self.requests)
             else:
                 kind = self.type(schema, python, is_request=name in self.requests)
-                self.written[python] = f"{python} = {kind}\n{docstring(schema)}"
+                self.written[python] = f"{alias(python, kind)}\n{docstring(schema)}"
         return python
 
     def model(self, name: str, schema: Schema, *, is_request: bool) -> str:
         """Writes the class of an object schema; returns its name."""
         required = schema.get("required", [])
         tagged = is_tagged(schema)
-        lines = [f"class {name}({'Tagged' if tagged else 'Body' if is_request else 'Answer'}):"]
+        base = BASES.get(name) or ("Tagged" if tagged else "Body" if is_request else "Answer")
+        lines = [f"class {name}({base}):"]
         fields = sorted(schema["properties"].items(), key=lambda item: item[0] not in required)
         lines += indented(class_docstring(schema, dict(fields)))
         for field, content in fields:
@@ -147,7 +161,7 @@ class Models:
     def plain(self, kind: str, schema: Schema, name: str, *, is_request: bool) -> str:
         """Returns the annotation of a schema with one JSON type."""
         if kind in SIMPLE:
-            return SIMPLE[kind]
+            return FIELDS.get(name) or SIMPLE[kind]
         if kind == "array" and is_request and is_nullable(schema["items"]):
             return "LowerBounds" if name.endswith("Lower") else "UpperBounds"
         if kind == "array" and is_numeric(schema["items"]):
@@ -163,6 +177,17 @@ class Models:
             return self.model(schema.get("title", name), schema, is_request=is_request)
         message = f"{name}: no Python type for {schema}"
         raise ValueError(message)
+
+
+def alias(name: str, kind: str) -> str:
+    """Returns the definition of a type that is not a class."""
+    if name not in CONSTANTS:
+        return f"{name} = {kind}"
+    plain = kind.removeprefix("Annotated[").split(", Field(")[0]
+    return (
+        f"if TYPE_CHECKING:\n    {name} = {plain} | AnyArrayLike\n"
+        f"else:\n    {name} = Annotated[{kind}, BeforeValidator(constant)]"
+    )
 
 
 def is_word(schema: Schema) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import revprio
-from revprio import AddressError, AsyncClient, Client, EnvironmentAxis, InvalidError, ResolveTask, models
+from revprio import AddressError, AsyncClient, Client, EnvironmentAxis, InvalidError, ResolveTask, models, presets
 from revprio.states import StateNumbering
 
 Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
@@ -88,7 +88,8 @@ def contact(damping: float, lag_s: float) -> models.StabilityAnswer:
 
 @pytest.mark.parametrize("lag_s", [0.0, 0.005, 0.02])
 def test_the_gains_of_a_push_keep_a_factor_of_two_of_the_stability_margin(lag_s: float) -> None:
-    push, hold = revprio.push(axis="z", newtons=15, hold="rest", lag_s=lag_s)
+    loop = {"environment_stiffness": 1e5, "lag_s": lag_s, "delay_periods": 0}
+    push, hold = revprio.push(axis="z", newtons=15, hold="rest", **loop)  # type: ignore[arg-type]
     assert push.axes == ["z"]
     assert hold.axes == ["x", "y", "rx", "ry", "rz"]
     damping = float(np.asarray(push.law.damping))  # type: ignore[union-attr]
@@ -133,7 +134,7 @@ def test_every_push_is_stable_in_its_contact_in_softer_ones_and_in_free_space() 
 
 
 def test_a_push_between_two_close_ends_is_in_their_middle() -> None:
-    loop = {"period_s": 0.02, "lag_s": 0.01, "velocity_measured": False}
+    loop = {"period_s": 0.02, "lag_s": 0.01, "delay_periods": 0, "velocity_measured": False}
     damping = revprio.push("z", 15, environment_stiffness=5e4, **loop)[0].law.damping  # type: ignore[arg-type, union-attr]
     environment = EnvironmentAxis(stiffness=5e4)
     margin = revprio.stability(inertia=15, damping=float(np.asarray(damping)), environment=environment, **loop)  # type: ignore[arg-type]
@@ -145,10 +146,10 @@ def test_a_push_between_two_close_ends_is_in_their_middle() -> None:
 @pytest.mark.parametrize(
     ("arguments", "pointer"),
     [
-        ({"newtons": 100, "approach_speed": 0.001, "period_s": 0.02}, "/approach_speed"),
+        ({"newtons": 100, "approach_speed": 0.001, "period_s": 0.02, "delay_periods": 0}, "/approach_speed"),
         ({"newtons": 15, "approach_speed": 0}, "/approach_speed"),
         ({"newtons": float("nan")}, "/newtons"),
-        ({"newtons": 0, "lag_s": 0}, "/newtons"),
+        ({"newtons": 0, "lag_s": 0, "delay_periods": 0}, "/newtons"),
         ({"newtons": 15, "inertia": 0.01, "lag_s": 0.1, "delay_periods": 5}, "/environment_stiffness"),
     ],
 )
@@ -176,6 +177,31 @@ def test_complex_numbers_are_refused(name: str) -> None:
         arm.step(**wrong)  # type: ignore[arg-type]
     with pytest.raises(InvalidError):
         StateNumbering(0.001).state(wrong["joint_position"], wrong["joint_velocity"], wrong["wrench"], None)
+
+
+def test_presets_and_controllers_expect_the_same_drive() -> None:
+    stated = inspect.getdoc(models.JointDrive) or ""
+    assert f"default {presets.DELAY_PERIODS}." in stated
+    assert f"Default {presets.LAG_S}." in stated
+    for preset in (revprio.push, revprio.follow):
+        defaults = {name: field.default for name, field in inspect.signature(preset).parameters.items()}
+        assert (defaults["lag_s"], defaults["delay_periods"]) == (presets.LAG_S, presets.DELAY_PERIODS)
+
+
+def test_a_length_prefers_the_position_or_the_orientation() -> None:
+    """Both rows request more than the joints may give; the length decides which of them loses less."""
+    q = np.array([0.3, -1.2, 1.6, -1.9, -1.57, 0.2])
+    lost = {}
+    for prefer in ("position", "balance", "orientation"):
+        law = models.VelocityLaw(target_velocity=[3.0, 0, 0, 0, 3.0, 0])
+        task = models.ControllerTask(name="hand", axes=["x", "y", "z", "rx", "ry", "rz"], law=law)
+        length = revprio.characteristic_length(prefer)
+        arm = revprio.Controller(robot="ur5e", period_s=0.01, tasks=[task], characteristic_length_m=length)
+        missed = np.asarray(arm.step(q).tasks[0].achieved) - [3.0, 0, 0, 0, 3.0, 0]
+        lost[prefer] = (np.linalg.norm(missed[:3]), np.linalg.norm(missed[3:]))
+    assert lost["position"][0] < lost["balance"][0] <= lost["orientation"][0]
+    assert lost["position"][1] > lost["balance"][1] >= lost["orientation"][1]
+    assert revprio.characteristic_length("balance", reach_m=0.2) == pytest.approx(0.2)
 
 
 def test_a_push_controls_an_arm_against_a_wall() -> None:

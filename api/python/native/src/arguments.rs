@@ -57,7 +57,12 @@ pub fn targets(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, Streame
 /// Converts with `numpy.asarray`.
 fn floats(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<Vec<f64>> {
     static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
+    if value.is_instance(MASKED.import(py, "numpy.ma", "MaskedArray")?)? {
+        let detail = "a masked array has no number where it is masked; give an array, such as `masked.filled(0.0)`";
+        return Err(refused(py, ApiError::invalid(pointer, detail)));
+    }
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
     let array = asarray.call1((value,)).map_err(|_| not_numbers(py, pointer))?;
     // NumPy would drop the imaginary parts.

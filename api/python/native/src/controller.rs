@@ -1,8 +1,9 @@
 //! One controller with its memory.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -17,6 +18,8 @@ use crate::outcome::{json, refused};
 #[pyclass(frozen)]
 pub struct Controller {
     control: Mutex<LocalController>,
+    /// The process that created it.
+    process: u32,
     /// Deceleration of the joints, n, which no step changes; NaN: stop at once.
     deceleration: std::sync::OnceLock<Py<PyArray1<f64>>>,
 }
@@ -33,29 +36,48 @@ impl StepAnswer {
     }
 }
 
+/// Another thread used the controller when the process forked.
+#[derive(Debug)]
+pub struct Forked;
+
+impl From<Forked> for PyErr {
+    fn from(_: Forked) -> Self {
+        PyRuntimeError::new_err(
+            "a thread computed a step of this controller while the process forked; create another controller in the child, \
+             from its `config`",
+        )
+    }
+}
+
 impl Controller {
     pub fn new(control: LocalController) -> Self {
-        Self { control: Mutex::new(control), deceleration: std::sync::OnceLock::new() }
+        Self { control: Mutex::new(control), process: std::process::id(), deceleration: std::sync::OnceLock::new() }
     }
 
     /// Replaces the controller by that of a JSON body.
-    pub fn replace(&self, service: &LocalService, body: &[u8]) -> Result<(), ApiError> {
-        service.replace(&mut self.lock(), body)
+    pub fn replace(&self, service: &LocalService, body: &[u8]) -> Result<Result<(), ApiError>, Forked> {
+        Ok(service.replace(&mut *self.lock()?, body))
     }
 
-    fn lock(&self) -> MutexGuard<'_, LocalController> {
-        self.control.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits until no other thread uses the controller. After a fork, a thread of the parent can hold it for ever.
+    fn lock(&self) -> Result<MutexGuard<'_, LocalController>, Forked> {
+        match self.control.try_lock() {
+            Ok(control) => Ok(control),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) if std::process::id() != self.process => Err(Forked),
+            Err(TryLockError::WouldBlock) => Ok(self.control.lock().unwrap_or_else(PoisonError::into_inner)),
+        }
     }
 
     /// Returns the deceleration of all answers.
-    fn deceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let create = || {
-            let values = self.lock().braking_deceleration();
-            let array = PyArray1::from_iter(py, values.iter().map(|&v| if v.is_finite() { v } else { f64::NAN }));
-            array.readwrite().make_nonwriteable();
-            array.unbind()
-        };
-        self.deceleration.get_or_init(create).bind(py).clone()
+    fn deceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        if let Some(known) = self.deceleration.get() {
+            return Ok(known.bind(py).clone());
+        }
+        let values = self.lock()?.braking_deceleration();
+        let array = PyArray1::from_iter(py, values.iter().map(|&v| if v.is_finite() { v } else { f64::NAN }));
+        array.readwrite().make_nonwriteable();
+        Ok(self.deceleration.get_or_init(|| array.unbind()).bind(py).clone())
     }
 }
 
@@ -63,14 +85,14 @@ impl Controller {
 impl Controller {
     /// Names of the joints, in order.
     #[getter]
-    fn joints(&self) -> Vec<String> {
-        self.lock().joints().map(str::to_owned).collect()
+    fn joints(&self) -> PyResult<Vec<String>> {
+        Ok(self.lock()?.joints().map(str::to_owned).collect())
     }
 
     /// Warnings about the controller, such as unstable loops.
     #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.lock().warnings().to_vec()
+    fn warnings(&self) -> PyResult<Vec<String>> {
+        Ok(self.lock()?.warnings().to_vec())
     }
 
     /// Runs one control period. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
@@ -94,12 +116,13 @@ impl Controller {
             wrench: wrench.map(arguments::wrench).transpose()?,
             targets: targets.map(|json| arguments::targets(py, json)).transpose()?.unwrap_or_default(),
         };
-        let answer = without_lock(py, || self.lock().step(&state)).map_err(|error| refused(py, error))?;
+        let answer = without_lock(py, || Ok::<_, Forked>(self.lock()?.step(&state)))?;
+        let answer = answer.map_err(|error| refused(py, error))?;
         let fields = PyDict::new(py);
         fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, answer.joint_velocity()))?;
         fields.set_item(intern!(py, "sequence"), sequence)?;
         fields.set_item(intern!(py, "valid_for_ms"), answer.valid_for_ms())?;
-        fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py))?;
+        fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py)?)?;
         fields.set_item(intern!(py, "_answer"), StepAnswer(answer))?;
         Ok(fields)
     }

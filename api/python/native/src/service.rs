@@ -46,7 +46,7 @@ impl Service {
 
     /// Replaces a controller.
     fn replace(&self, py: Python<'_>, controller: &Controller, body: &[u8]) -> PyResult<()> {
-        py.detach(|| controller.replace(&self.0, body)).map_err(|error| refused(py, error))
+        py.detach(|| controller.replace(&self.0, body))?.map_err(|error| refused(py, error))
     }
 }
 

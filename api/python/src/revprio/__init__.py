@@ -27,6 +27,7 @@ from revprio.mjcf import read_mjcf as read_mjcf
 from revprio.models import *  # noqa: F403
 from revprio.pace import Drive as Drive
 from revprio.pace import SlowLoopWarning as SlowLoopWarning
+from revprio.presets import characteristic_length as characteristic_length
 from revprio.presets import follow as follow
 from revprio.presets import push as push
 from revprio.remote import Session as Session

@@ -52,6 +52,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 import asyncio
 import httpx
+import os
 import ssl
 import time
 
@@ -95,10 +96,16 @@ class AsyncClient:
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = (timeout_s, retries, tls)
         self._headers = routes.request_headers(token, owner)
-        self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=tls or True)
+
+    async def open(self) -> None:
+        """Opens connections of this process."""
+        self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=self._tls or True)
+        self._process = os.getpid()
 
     async def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
         """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
+        if os.getpid() != self._process:
+            await self.open()
         budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )

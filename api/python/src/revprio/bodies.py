@@ -19,6 +19,9 @@ T = TypeVar("T")
 
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     """Converts numbers to an array; `None` becomes nan."""
+    if isinstance(value, np.ma.MaskedArray):
+        message = "a masked array has no number where it is masked; give an array, such as `masked.filled(0.0)`"
+        raise ValueError(message)
     try:
         array = np.asarray(value)
         # NumPy would drop the imaginary parts.
@@ -30,7 +33,8 @@ def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
     raise ValueError(message)
 
 
-def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+def finite_array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    """Converts numbers to an array; refuses those that are not finite."""
     array = _array(value)
     if not np.isfinite(array).all():
         message = "every number must be finite"
@@ -39,11 +43,11 @@ def _finite(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
 
 
 def _vector(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
-    return np.atleast_1d(_finite(value))
+    return np.atleast_1d(finite_array(value))
 
 
 def _matrix(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
-    return np.atleast_2d(_finite(value))
+    return np.atleast_2d(finite_array(value))
 
 
 def _list(value: Any) -> Any:  # noqa: ANN401
@@ -73,8 +77,8 @@ def _upper(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
 
 def _joints(value: Any) -> NDArray[np.float64] | dict[str, float]:  # noqa: ANN401
     if isinstance(value, Mapping):
-        return {str(name): float(_finite(number)) for name, number in value.items()}
-    return _finite(value)
+        return {str(name): float(finite_array(number)) for name, number in value.items()}
+    return finite_array(value)
 
 
 def _plain(value: NDArray[np.float64] | dict[str, float]) -> Any:  # noqa: ANN401
@@ -88,7 +92,7 @@ def _plain_bounds(value: NDArray[np.float64]) -> list[float | None]:
 FloatArray: TypeAlias = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_plain)]
 """An array in an answer; `null` in JSON is nan here."""
 
-ArrayLike: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_finite), PlainSerializer(_plain)]
+ArrayLike: TypeAlias = Annotated[AnyArrayLike, PlainValidator(finite_array), PlainSerializer(_plain)]
 """An array in a request: anything that NumPy converts to an array of finite numbers."""
 
 Vector: TypeAlias = Annotated[AnyArrayLike, PlainValidator(_vector), PlainSerializer(_plain)]

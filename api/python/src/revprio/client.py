@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import ssl
 import time
 from contextlib import AbstractContextManager
@@ -35,6 +36,8 @@ class Client(Calls):
     """A client of one service. It keeps its connections open between calls: use it in a `with` block, or call `close`.
 
     Every method raises a `RevprioError` if no answer comes or the service refuses the request; see `revprio.errors`.
+
+    Several threads may use one client. After `os.fork`, a client opens new connections in the child.
     """
 
     def __init__(  # noqa: PLR0913
@@ -62,10 +65,17 @@ class Client(Calls):
         self.step_timeout_s = step_timeout_s
         self._timeout_s, self._retries, self._tls = timeout_s, retries, tls
         self._headers = routes.request_headers(token, owner)
-        self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=tls or True)
+        self._open()
+
+    def _open(self) -> None:
+        """Opens connections of this process."""
+        self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=self._tls or True)
+        self._process = os.getpid()
 
     def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
         """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
+        if os.getpid() != self._process:  # After a fork, parent and child would read each other's answers.
+            self._open()
         budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )

@@ -20,8 +20,14 @@ class Controller:
     """A running controller: once per period, a measured state goes in and joint velocities come out.
 
     `Controller(robot=…, period_s=…, tasks=[…])` computes in this process, without a server. `Client.session` and
-    `Client.stateless` return controllers with the same methods that a service computes. Different controllers may run
-    in different threads: `step` computes without the lock of the interpreter.
+    `Client.stateless` return controllers with the same methods that a service computes.
+
+    Threads: use one controller in one thread. Different controllers run in parallel in different threads, because
+    `step` computes without the lock of the interpreter. Two threads that step the same controller mix their states.
+
+    Processes: after `os.fork`, parent and child have a controller each, which do not know of each other: let one of
+    them move the arm. If another thread computes a step while the process forks, the child's controller raises a
+    `RuntimeError`. A controller cannot be pickled; create one in the other process, from `config`.
     """
 
     @fields_of(ControllerConfig)
@@ -103,6 +109,11 @@ class Controller:
             time_s=state.time_s,
             targets=state.targets,
         )
+
+    def __reduce__(self) -> str:
+        """Refuses to copy a controller: two copies of one memory would move one arm."""
+        message = "a running controller cannot be copied or pickled; create another one from its `config`"
+        raise TypeError(message)
 
     def close(self) -> None:
         """Ends the controller."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from revprio.problem import REMEDIES, Problem
 
 __all__ = [
@@ -15,6 +17,17 @@ class RevprioError(Exception):
 
     is_silence: bool = False
     """Whether a later call may succeed: the service cannot be reached, is late, or is overloaded."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles the error, whatever its class takes to create it: other processes return errors so."""
+        return _restored, (type(self), self.args, vars(self))
+
+
+def _restored(kind: type[RevprioError], args: tuple[object, ...], fields: dict[str, object]) -> RevprioError:
+    """Returns an error with these arguments of the exception and these fields."""
+    error = kind.__new__(kind, *args)
+    vars(error).update(fields)
+    return error
 
 
 class NoAnswerError(RevprioError):

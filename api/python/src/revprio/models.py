@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
+from numpy.typing import ArrayLike as AnyArrayLike
+from pydantic import BeforeValidator, Field
 
 from revprio.answers import Answer
 from revprio.bodies import (
@@ -19,6 +20,7 @@ from revprio.bodies import (
     UpperBounds,
     Vector,
 )
+from revprio.conversions import Quaternion, UrdfText, constant
 from revprio.problem import REMEDIES, Problem
 
 
@@ -288,8 +290,8 @@ class JointView(Answer):
     """Maximum velocity in this period, rad/s or m/s; `null` without a bound."""
 
 
-class Orientation(Body):
-    """An orientation as a unit quaternion.
+class Orientation(Quaternion):
+    """An orientation as a unit quaternion. Four numbers in a list or an array are x, y, z, w, as in ROS and SciPy.
 
     Fields:
 
@@ -709,6 +711,8 @@ class ResolveAnswer(Answer):
     - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
       limit; only with a robot.
     - violated_inequalities: Violated inequalities.
+    - warnings: Warnings: numbers that are probably in another unit, and a method that does not keep the order of
+      the tasks.
     - why: Sentences that say what restricts the joint velocities, then what each task gives up; only if the request
       has `"why": true`.
     """
@@ -741,6 +745,8 @@ class ResolveAnswer(Answer):
     robot."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)
     """Violated inequalities."""
+    warnings: list[str] = Field(default_factory=list)
+    """Warnings: numbers that are probably in another unit, and a method that does not keep the order of the tasks."""
     why: list[str] = Field(default_factory=list)
     """Sentences that say what restricts the joint velocities, then what each task gives up; only if the request has
     `"why": true`."""
@@ -1014,7 +1020,7 @@ class ResolveRequest(Body):
     - limits: Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with
       robot, posture and period; `velocity` with a robot alone; otherwise `none`.
     - method: Resolution method, the meaning of priorities. Set another one only to compare; default
-      `reverse_priority`.
+      `strict_reverse_priority`.
     - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to
       choose the posture of a redundant arm; default: rest.
     - period_s: Control period T, s: how long the answer will be commanded. Needed for position and acceleration
@@ -1047,7 +1053,8 @@ class ResolveRequest(Body):
     """Limits of the joint velocities. Set them if the answer moves an arm; default: `position_velocity` with robot,
     posture and period; `velocity` with a robot alone; otherwise `none`."""
     method: Method | None = None
-    """Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`."""
+    """Resolution method, the meaning of priorities. Set another one only to compare; default
+    `strict_reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
     """Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
     redundant arm; default: rest."""
@@ -1208,10 +1215,17 @@ class WaypointsProfile(Tagged):
     """Points in the order of their times."""
 
 
-Profile = Annotated[
-    ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile, Field(discriminator="kind")
-]
-"""A set-point over time."""
+if TYPE_CHECKING:
+    Profile = ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile | AnyArrayLike
+else:
+    Profile = Annotated[
+        Annotated[
+            ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile, Field(discriminator="kind")
+        ],
+        BeforeValidator(constant),
+    ]
+"""A set-point over time, on the clock of the states. On the clock of Unix (times above 1e9 s) it counts from the
+first state. A number or an array is a constant."""
 
 
 class Contact(Body):
@@ -1318,9 +1332,12 @@ class PoseLaw(Tagged):
     """Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step."""
 
 
-PostureTarget = Literal["mid_range"] | Profile
+if TYPE_CHECKING:
+    PostureTarget = Literal["mid_range"] | Profile | AnyArrayLike
+else:
+    PostureTarget = Annotated[Literal["mid_range"] | Profile, BeforeValidator(constant)]
 """Target of the joints of a posture: `mid_range` (the middle of their ranges), or positions over time, one per
-joint, rad or m."""
+joint, rad or m. An array is a constant."""
 
 
 class PostureLaw(Tagged):
@@ -1698,7 +1715,7 @@ class ControllerConfig(Body):
     - limits: Limits of the joint velocities. Keep the default on an arm; give `lower` and `upper` to move it more
       slowly. Default `position_velocity_acceleration`.
     - method: Resolution method, the meaning of priorities. Set another one only to compare; default
-      `reverse_priority`.
+      `strict_reverse_priority`.
     - null_space_velocity: Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to
       choose the posture of a redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if
       the arm has more joints than its tasks have rows, all tasks have the law `pose` or bounds, and none moves
@@ -1753,7 +1770,8 @@ class ControllerConfig(Body):
     """Limits of the joint velocities. Keep the default on an arm; give `lower` and `upper` to move it more slowly.
     Default `position_velocity_acceleration`."""
     method: Method | None = None
-    """Resolution method, the meaning of priorities. Set another one only to compare; default `reverse_priority`."""
+    """Resolution method, the meaning of priorities. Set another one only to compare; default
+    `strict_reverse_priority`."""
     null_space_velocity: NullSpaceVelocity | None = None
     """Null-space velocity ζ̇, which the answer follows as far as the tasks permit. Set it to choose the posture of a
     redundant arm; default: `initial_posture` with the gain 2 (less for slow drives) if the arm has more joints than its
@@ -2515,6 +2533,8 @@ class Memory(Body):
     - rest: How the joints turn and what the tasks gained by it, so that the arm comes to rest; default: the next
       state starts anew.
     - stalls: Joints that did not follow their commands lately; default: none.
+    - start_time_s: Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9
+      s.
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
@@ -2548,6 +2568,8 @@ class Memory(Body):
     starts anew."""
     stalls: list[Stall] | None = None
     """Joints that did not follow their commands lately; default: none."""
+    start_time_s: float | None = None
+    """Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9 s."""
     target_streams: list[TargetStream] | None = None
     """Streamed targets of the tasks; default: none."""
     task_progress: list[Progress] | None = None
@@ -2818,7 +2840,7 @@ class RobotRegistration(Body):
 
     name: str
     """Name for requests: at most 64 letters, digits, `_`, `-` and `.`."""
-    urdf: str
+    urdf: UrdfText
     """URDF text, `<robot …>`."""
     base: str | None = None
     """Base link; default: the root of the tree."""
@@ -3157,7 +3179,8 @@ class State(Body):
     - joint_position: Measured joint position q, rad or m, in joint order or by name.
     - sequence: Sequence number of the period; must increase. Repeat it only with an unchanged state, to get the
       same answer again.
-    - time_s: Time t of the measurement, s, on any clock that runs evenly.
+    - time_s: Time t of the measurement, s, on any clock that runs evenly. Profiles count on the same clock; on the
+      clock of Unix (times above 1e9 s) they count from the first state.
     - joint_velocity: Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its
       velocities are noisy; default: the last command.
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
@@ -3172,7 +3195,8 @@ class State(Body):
     """Sequence number of the period; must increase. Repeat it only with an unchanged state, to get the same answer
     again."""
     time_s: float
-    """Time t of the measurement, s, on any clock that runs evenly."""
+    """Time t of the measurement, s, on any clock that runs evenly. Profiles count on the same clock; on the clock of
+    Unix (times above 1e9 s) they count from the first state."""
     joint_velocity: JointVector | None = None
     """Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its velocities are noisy;
     default: the last command."""

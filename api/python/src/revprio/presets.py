@@ -32,6 +32,15 @@ SAFETY_FACTOR = 2.0
 NEGLIGIBLE = 1e-6
 """Fraction of the largest stable damping below which a tool in free space hardly ever comes to rest."""
 
+LAG_S = 0.03
+"""Lag of the arm's velocity loop, s: the default of `Controller(drive=…)`."""
+
+DELAY_PERIODS = 2
+"""Delay of a command, periods: the default of `Controller(drive=…)`."""
+
+PREFERRED_LENGTH = {"position": 0.1, "balance": 1.0, "orientation": 2.0}
+"""`characteristic_length_m` of an arm of about 1 m; see docs/guides/choose-damping.md."""
+
 POSE_GAIN = 2.0
 """Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it."""
 
@@ -42,9 +51,9 @@ def push(  # noqa: PLR0913
     hold: Literal["rest"] | Sequence[Axis] | None = "rest",
     *,
     period_s: float = 0.001,
-    environment_stiffness: float = 1e5,
-    lag_s: float = 0.005,
-    delay_periods: int = 0,
+    environment_stiffness: float = 1e4,
+    lag_s: float = LAG_S,
+    delay_periods: int = DELAY_PERIODS,
     velocity_measured: bool = True,
     inertia: float = 15.0,
     approach_speed: float = 0.1,
@@ -54,8 +63,10 @@ def push(  # noqa: PLR0913
     `axis`: axis of the base; `newtons`: target force on the environment, N (N·m for an axis of rotation).
     `hold`: axes of a second task, which has a lower priority; `"rest"`: all others; `None`: no second task.
     `period_s`: the controller's period T, s.
-    `environment_stiffness`: stiffness of the stiffest object that the tool may touch, N/m; the default is steel.
-    `lag_s`: lag of the arm's velocity loop, s; `delay_periods`: delay of a command, periods.
+    `environment_stiffness`: stiffness of the stiffest contact, that of object and tool together, N/m. The default is a
+    compliant tool or object; steel has 1e5 N/m, and needs an arm that follows faster than the default.
+    `lag_s`: lag of the arm's velocity loop, s; `delay_periods`: delay of a command, periods. The defaults are those of
+    `Controller(drive=…)`. If your arm is faster, give both the same values.
     `velocity_measured`: whether states contain the measured joint velocity.
     `inertia`: inertia of the force law, kg.
     `approach_speed`: maximum speed in free space, m/s.
@@ -114,19 +125,29 @@ def _largest(margin: StabilityAnswer) -> float:
 
 
 def follow(
-    pose: Pose | ArrayLike, *, period_s: float = 0.001, lag_s: float = 0.005, delay_periods: int = 0
+    pose: Pose | ArrayLike, *, period_s: float = 0.001, lag_s: float = LAG_S, delay_periods: int = DELAY_PERIODS
 ) -> list[ControllerTask]:
     """Returns the task that moves the tool to a pose.
 
     `pose`: tool pose in the base frame, as a `Pose` or a homogeneous matrix, 4 × 4, m.
     `period_s`: the controller's period T, s; `lag_s`: lag of the arm's velocity loop, s; `delay_periods`: delay of a
-    command, periods.
+    command, periods. The defaults are those of `Controller(drive=…)`.
 
     The gain is half of the one at which lag and delay cause overshoot, and at most 2 1/s.
     """
     target = pose if isinstance(pose, Pose) else _pose(pose)
     law = PoseLaw(gain=pose_gain(lag_s + delay_periods * period_s), target_pose=target)
     return [ControllerTask(name="follow", axes=list(AXES), law=law)]
+
+
+def characteristic_length(prefer: Literal["position", "balance", "orientation"], *, reach_m: float = 1.0) -> float:
+    """Returns the `characteristic_length_m` of a controller whose joints cannot give all that a pose task requests.
+
+    `prefer`: what the rows of one task keep first. `"position"` suits tools that turn freely, `"orientation"` tools
+    that must not tilt, `"balance"` others. For a strict order, use two tasks instead.
+    `reach_m`: reach of the arm, m; 1 suits arms that reach 0.3 to 4 m.
+    """
+    return PREFERRED_LENGTH[prefer] * reach_m
 
 
 def pose_gain(lag_s: float) -> float:

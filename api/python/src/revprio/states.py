@@ -49,7 +49,7 @@ def as_wrench(wrench: Wrench | ArrayLike) -> Wrench:
     if isinstance(wrench, Wrench):
         return wrench
     try:
-        six = np.asarray(wrench)
+        six = np.asanyarray(wrench)  # a masked array stays one, and is refused
     except ValueError:  # rows of different length
         six = np.empty(0)
     if six.shape != (6,):
