@@ -74,12 +74,12 @@ impl<S: Send + Sync> FromRequestParts<S> for Owner {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, ApiError> {
-        if let Some(word) = Word::from_header(parts, &OWNER)? {
-            return Ok(Self(Some(word)));
-        }
+        let header = Word::from_header(parts, &OWNER)?;
         let mut parameters = parts.uri.query().unwrap_or_default().split('&');
         let word = parameters.find_map(|parameter| parameter.strip_prefix(OWNER_PARAMETER)?.strip_prefix('='));
-        word.map(|word| Word::read(word, &OWNER)).transpose().map(Self)
+        // Both are checked; the header has priority.
+        let parameter = word.map(|word| Word::read(word, &OWNER)).transpose()?;
+        Ok(Self(header.or(parameter)))
     }
 }
 

@@ -40,6 +40,8 @@ fn only_the_owner_steps_replaces_and_ends_a_session_with_an_owner() {
     assert_eq!(step(&service, &session, &[owner], 2).accepted()["sequence"], 2);
     let shown = service.get(&session).text;
     assert!(!shown.contains("robot-cell"), "the token is a secret: {shown}");
+    let twice = service.send("DELETE", &format!("{session}?revprio_owner=%C3"), &[owner], "");
+    twice.assert_refused(400, None);
     assert_eq!(change("DELETE", &[owner]).status, 204);
     assert_eq!(service.get(&session).status, 404);
 }
