@@ -10,7 +10,7 @@ import revprio
 from revprio import InvalidError, models
 from revprio.states import StateNumbering
 
-Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
+Q = np.array([0.3, -0.6, 0.2, 1.4, 0.5, 0.9, 0.0])
 
 
 @pytest.mark.parametrize("given", [[0.0, 0.6, 0.0, 0.8], (0.0, 0.6, 0.0, 0.8), np.array([0.0, 0.6, 0.0, 0.8])])

@@ -40,7 +40,9 @@ REQUESTS: dict[str, type[Body]] = {
     "state": models.State,
     "step": models.StepRequest,
     "step_again": models.StepRequest,
+    "step_ahead": models.StepRequest,
     "step_inequality": models.StepRequest,
+    "step_straight": models.StepRequest,
     "step_targets": models.StepRequest,
 }
 
