@@ -143,6 +143,8 @@ public:
     }
 
     const std::string& url() const { return url_; }
+    /// Returns the owner token: clients that share sessions have the same one.
+    const std::string& owner() const { return options_.owner; }
     Seconds step_timeout() const { return options_.step_timeout; }
 
 private:

@@ -229,7 +229,8 @@ void loop_ends_at_rest(revprio::Client& client) {
         loop.wait_until(Clock::now() + std::chrono::milliseconds(10));
         command = loop.command();
     }
-    revprio::Client(client.url()).call("DELETE", "/v1/controllers/" + session.id());
+    const httplib::Headers owner{{"Revprio-Owner", client.owner()}};
+    revprio::Client(client.url()).call("DELETE", "/v1/controllers/" + session.id(), nullptr, true, {}, owner);
     auto before = Clock::now(); // at or before the time for which `command` was computed
     expect_throw<revprio::Problem>(
         [&] {
