@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use revprio_api::wire::{self, Axis, LawTarget, PerAxis};
-use revprio_core::controller::Controller;
+use revprio_core::controller::{Controller, TaskConfig};
 use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::{Joint, RobotModel};
 
@@ -64,24 +64,14 @@ pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) ->
     warnings
 }
 
-/// Adds the warnings about the targets of a state.
+/// Adds the warnings about the targets of a state, and about those ahead: the first one of each task.
 pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, targets: &[StreamedTarget]) {
     let config = controller.config();
     for target in targets {
         let task = &config.tasks[target.task];
         let about = About { task: &task.name, robot: &config.robot };
-        match &target.value {
-            StreamedValue::Pose { position: Some(position), .. } => {
-                let frame = task.rows.fixed_frame();
-                let in_base = frame.map_or(*position, |frame| frame.transform_point(&(*position).into()).coords);
-                warnings.extend(about.position(in_base));
-            }
-            StreamedValue::JointPosition(values) => {
-                let joints = task.rows.joints().iter().map(|&joint| &config.robot.joints()[joint]);
-                warnings.extend(joints.zip(values).filter_map(|(joint, value)| about.joint(joint, *value)));
-            }
-            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => {}
-        }
+        let ahead = target.ahead.iter().map(|later| &later.value);
+        warnings.extend(std::iter::once(&target.value).chain(ahead).find_map(|value| about.streamed(task, value)));
     }
 }
 
@@ -125,6 +115,22 @@ impl About<'_> {
                 self.robot.joints().iter().filter(moves).enumerate().filter_map(worst).collect()
             }
             LawTarget::None => Vec::new(),
+        }
+    }
+
+    /// Returns the first warning about a streamed value.
+    fn streamed(self, task: &TaskConfig, value: &StreamedValue) -> Option<String> {
+        match value {
+            StreamedValue::Pose { position: Some(position), .. } => {
+                let frame = task.rows.fixed_frame();
+                let in_base = frame.map_or(*position, |frame| frame.transform_point(&(*position).into()).coords);
+                self.position(in_base)
+            }
+            StreamedValue::JointPosition(values) => {
+                let joints = task.rows.joints().iter().map(|&joint| &self.robot.joints()[joint]);
+                joints.zip(values).find_map(|(joint, value)| self.joint(joint, *value))
+            }
+            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => None,
         }
     }
 

@@ -115,6 +115,36 @@ fn a_streamed_target_in_the_wrong_unit_is_warned_about_when_it_arrives() {
 }
 
 #[test]
+fn a_target_ahead_in_the_wrong_unit_is_warned_about_when_it_arrives() {
+    let service = Service::start();
+    let task = json!({"name": "hand", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2, "path": "joint"}});
+    let path = service.open(&controller(&[task])) + "/step";
+    let mut state = example("state.json");
+    let pose = |position: Value| json!({"position": position});
+    let ahead = json!([{"after_s": 0.1, "pose": pose(json!([600, 100, 400]))}]);
+    state["targets"] = json!({"hand": {"pose": pose(json!([0.6, 0.1, 0.4])), "ahead": ahead}});
+    assert!(warnings(&service.call(&path, &state)).contains("not in mm"));
+}
+
+/// Late on the clock of Unix, times that differ by 1 µs are equal. The cubic through the targets would have an interval of zero.
+#[test]
+fn targets_ahead_with_equal_times_on_the_clock_are_taken_once() {
+    let service = Service::start();
+    let task = json!({"name": "hand", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2, "path": "joint"}});
+    let path = service.open(&controller(&[task])) + "/step";
+    let mut state = example("state.json");
+    for period in 1..20_u32 {
+        (state["sequence"], state["time_s"]) = (json!(period), json!(9.5e9 + PERIOD * f64::from(period)));
+        let ahead: Vec<Value> = [1e-6, 2e-6, 0.1, 0.1 + 1.1e-6, 0.1 + 2.2e-6, 0.5]
+            .map(|after_s| json!({"after_s": after_s, "pose": {"position": [0.6 + 0.1 * after_s, 0.1, 0.4]}}))
+            .to_vec();
+        state["targets"] = json!({"hand": {"pose": {"position": [0.6, 0.1, 0.4]}, "ahead": ahead}});
+        let command = numbers(&service.call(&path, &state)["joint_velocity"]);
+        assert!(command.iter().all(|velocity| velocity.abs() < 2.0), "{command:?}");
+    }
+}
+
+#[test]
 fn a_problem_with_numbers_in_the_wrong_unit_is_warned_about_alone_and_in_a_batch() {
     let service = Service::start();
     let q = numbers(&example("state.json")["joint_position"]);

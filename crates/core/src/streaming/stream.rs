@@ -88,11 +88,12 @@ impl TargetStream {
         Self { task, quantity, newest: None, previous: None, ahead: Vec::new(), reference, state: TargetState::Holding }
     }
 
-    /// Adds a target unless it is not newer than the newest one.
+    /// Adds a target unless it is not newer than the newest one. Targets ahead that the clock cannot tell apart from the one before are left
+    /// out.
     pub(crate) fn accept(
         &mut self,
         mut target: Target,
-        ahead: Vec<LaterTarget>,
+        mut ahead: Vec<LaterTarget>,
         settings: &Streaming,
     ) -> Option<Ignored> {
         if let Some(newest) = &self.newest
@@ -110,6 +111,12 @@ impl TargetStream {
         if target.velocity.is_none() && self.quantity.is_position() {
             target.velocity = self.previous.as_ref().map(|previous| estimated_velocity(previous, &target, settings));
         }
+        let mut before_s = target.time_s;
+        ahead.retain(|later| {
+            let is_later = later.time_s - before_s >= MIN_INTERVAL;
+            before_s = if is_later { later.time_s } else { before_s };
+            is_later
+        });
         self.newest = Some(target);
         self.ahead = ahead;
         None
