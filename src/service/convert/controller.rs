@@ -106,7 +106,7 @@ fn config_pointer(error: &ConfigError) -> String {
         }
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Path { task } => format!("/tasks/{task}/law"),
-        ConfigError::Limits { .. } => "/limits".to_owned(),
+        ConfigError::Limits { .. } | ConfigError::Unplanned => "/limits".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
         ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),

@@ -28,6 +28,11 @@ impl JointCapability {
         Self { speed, deceleration, jerk, reaction, plane_reaction }
     }
 
+    /// Returns whether all joints have a known speed and a known deceleration.
+    pub fn is_known(&self) -> bool {
+        self.speed.iter().chain(&self.deceleration).all(|limit| limit.is_finite())
+    }
+
     /// Returns how the joints brake before planes.
     pub fn before_planes(&self) -> JointBraking<'_> {
         JointBraking { deceleration: &self.deceleration, reaction_s: self.plane_reaction }

@@ -41,6 +41,12 @@ pub enum ConfigError {
         /// Index of the first task that differs, from 0.
         task: usize,
     },
+    /// Laws that look ahead plan with the speed and the deceleration of each joint, and the limits do not state them.
+    #[error(
+        "a law with `path` plans with the speeds and decelerations of the joints; give the limits `position_velocity_acceleration` \
+         or `position_velocity`, the solver `auto` or `qp`, and a robot whose joints have velocity limits"
+    )]
+    Unplanned,
     /// A constraint has the wrong number of coefficients, or names a joint that the robot does not have.
     #[error("inequality `{name}` does not fit a robot of {expected} joints")]
     Constraint {

@@ -134,6 +134,9 @@ impl ControllerConfig {
                 return Err(ConfigError::Path { task: index });
             }
         }
+        if self.path().is_some() && !self.joint_capability().is_known() {
+            return Err(ConfigError::Unplanned);
+        }
         match &self.null_space {
             Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
             None => Ok(()),

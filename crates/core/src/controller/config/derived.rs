@@ -72,7 +72,7 @@ impl ControllerConfig {
     }
 
     /// Returns the path of the laws that look ahead, which is that of all position laws; `None`: none looks ahead.
-    pub(in crate::controller) fn path(&self) -> Option<MotionPath> {
+    pub fn path(&self) -> Option<MotionPath> {
         self.tasks.iter().find_map(TaskConfig::path)
     }
 
@@ -106,7 +106,7 @@ impl ControllerConfig {
     }
 
     /// Returns what the limits of the controller permit the joints to give.
-    fn joint_capability(&self) -> JointCapability {
+    pub(super) fn joint_capability(&self) -> JointCapability {
         let joints = 0..self.robot.joint_count();
         let (speed, deceleration) = joints.clone().map(|joint| speed_and_deceleration(self, joint)).unzip();
         let jerk = joints.map(|joint| joint_jerk(self, joint)).collect();
