@@ -29,6 +29,9 @@ const QP: usize = 8;
 /// The same for `closed_form`: its decompositions have as many columns as a task has rows.
 const CLOSED_FORM: usize = 2;
 
+/// A controller that looks ahead costs as much as this number of others: it solves for postures at several times.
+const LOOKS_AHEAD: usize = 2;
+
 /// Returns the price of a problem.
 pub fn of_problem(problem: &Problem, solver: Solver) -> usize {
     let tasks = problem.tasks.tasks().iter().map(|task| (task.lower.len(), task.lower != task.upper));
@@ -39,7 +42,8 @@ pub fn of_problem(problem: &Problem, solver: Solver) -> usize {
 pub fn of_controller(config: &ControllerConfig) -> usize {
     let tasks = config.tasks.iter().map(|task| (task.rows.len(), task.law.bounds().is_some()));
     let constraints = config.constraints.iter().map(Constraint::row_count).sum();
-    of_solver(config.solver) * price(tasks, constraints, config.robot.joint_count())
+    let looks_ahead = if config.path().is_some() { LOOKS_AHEAD } else { 1 };
+    looks_ahead * of_solver(config.solver) * price(tasks, constraints, config.robot.joint_count())
 }
 
 const fn of_solver(solver: Solver) -> usize {
