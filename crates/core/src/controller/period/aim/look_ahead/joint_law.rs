@@ -68,7 +68,7 @@ impl Joint {
     }
 
     /// Returns the velocity that follows a virtual joint whose positions at [`TIMES_AHEAD`] are predicted: only the first ones count.
-    pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()], _: &Plan) -> f64 {
+    pub fn predicting(&self, ahead: &[f64; TIMES_AHEAD.len()]) -> f64 {
         let acceleration = self.can.acceleration;
         let needed = acceleration_now(ahead).abs().min(PREDICTED * acceleration);
         let feedback = self.feedback(ahead[0] - self.position, acceleration - needed, PREDICTED_GAIN);

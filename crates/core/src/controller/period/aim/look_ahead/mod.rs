@@ -136,7 +136,7 @@ impl LookAhead {
         } else {
             self.look_ahead(scene, |k| k < FIRST_LATER);
             self.arm.stand_from(FIRST_LATER);
-            self.follow(scene, Joint::predicting);
+            self.follow(scene, |joint, ahead, _| joint.predicting(ahead));
             share = self.trust(scene);
         }
         Some((&self.velocity, share))

@@ -206,10 +206,23 @@ mod tests {
         assert!(plan.first_acceleration(&at(30.0), 2.0, [5.0, 2.0]).abs() < 1e-6);
     }
 
-    /// The values of all constraints are within their bounds, and the solution is optimal: a small change in any feasible direction
-    /// does not improve it. Checked by projected gradients on random problems.
+    /// Returns Σ_k h_k (r_k − (B z)_k)² of accelerations z.
+    fn cost(z: &[f64], relative: &[f64; INTERVALS]) -> f64 {
+        let (mut position, mut velocity, mut sum) = (0.0, 0.0, 0.0);
+        for (k, (z, r)) in z.iter().zip(relative).enumerate() {
+            let h = TIMES_AHEAD[k + 1] - TIMES_AHEAD[k];
+            position += h * velocity + h * h / 2.0 * z;
+            velocity += h * z;
+            sum += h * (r - position).powi(2);
+        }
+        sum
+    }
+
+    /// On random problems the plan keeps all bounds, and no step from it towards another plan within the bounds leads nearer to the
+    /// virtual joint.
     #[test]
-    fn random_plans_keep_their_bounds() {
+    fn random_plans_keep_their_bounds_and_are_best() {
+        const LIMITS: [f64; 2] = [5.0, 2.0];
         let plan = Plan::new();
         let mut seed = 1_u32;
         let mut random = || {
@@ -217,18 +230,25 @@ mod tests {
             f64::from(seed) / f64::from(u32::MAX) * 2.0 - 1.0
         };
         for _ in 0..2000 {
-            let relative: [f64; INTERVALS] = std::array::from_fn(|_| random());
             let velocity = 2.0 * random();
-            let values = plan.free.map(|row| row.iter().zip(&relative).map(|(f, r)| f * r).sum());
-            let bounds: Bounds =
-                std::array::from_fn(
-                    |row| {
-                        if row < INTERVALS { [-5.0, 5.0] } else { [-2.0 - velocity, 2.0 - velocity] }
-                    },
-                );
-            let solved = plan.solve(values, &bounds, [5.0, 2.0]);
-            for (row, (value, [lower, upper])) in solved.iter().zip(bounds).enumerate() {
+            let bounds: Bounds = std::array::from_fn(|row| {
+                if row < INTERVALS { [-LIMITS[0], LIMITS[0]] } else { [-LIMITS[1] - velocity, LIMITS[1] - velocity] }
+            });
+            let mut planned = || {
+                let relative: [f64; INTERVALS] = std::array::from_fn(|_| random());
+                let values = plan.free.map(|row| row.iter().zip(&relative).map(|(f, r)| f * r).sum());
+                (relative, plan.solve(values, &bounds, LIMITS))
+            };
+            let (relative, best) = planned();
+            for (row, (value, [lower, upper])) in best.iter().zip(bounds).enumerate() {
                 assert!(*value > lower - 1e-5 && *value < upper + 1e-5, "{row}: {value} outside {lower} to {upper}");
+            }
+            let (_, other) = planned();
+            let towards =
+                |share: f64| -> [f64; INTERVALS] { std::array::from_fn(|k| best[k] + share * (other[k] - best[k])) };
+            for share in [1e-3, 0.1, 1.0] {
+                let gain = cost(&best[..INTERVALS], &relative) - cost(&towards(share), &relative);
+                assert!(gain < 1e-6 * share, "{share}: {gain}");
             }
         }
     }
