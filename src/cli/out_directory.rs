@@ -56,6 +56,19 @@ impl Report {
         self.0.iter().any(|text| text.contains(&in_json) || text.contains(&format!(">{in_html}<")))
     }
 
+    /// Returns whether the report names a file, the same figure or recording in another format, or shows a figure of this name.
+    fn names(&self, file: &str) -> bool {
+        let has_stem = |stem: &str| {
+            let rest = file.strip_prefix(stem).filter(|_| !stem.is_empty());
+            rest.is_some_and(|rest| rest.starts_with('.'))
+        };
+        self.0.iter().any(|text| {
+            let mut quoted = text.split('"').filter_map(|name| name.rsplit_once('.'));
+            let mut figures = text.split("<figure id=\"").skip(1).filter_map(|rest| rest.split('"').next());
+            quoted.any(|(stem, _)| has_stem(stem)) || figures.any(has_stem)
+        })
+    }
+
     /// Moves the files of the report to a new subdirectory, and returns it. Files that the report does not name stay.
     fn set_aside(&self, out: &Path) -> Result<PathBuf, CliError> {
         let mut numbered = (1_u64..).map(|number| out.join(format!("earlier-{number}")));
@@ -64,7 +77,7 @@ impl Report {
         make_directory(&earlier)?;
         for entry in fs::read_dir(out).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(failed)? {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let is_named = || self.0.iter().any(|text| text.contains(&name));
+            let is_named = || self.names(&name);
             if entry.path().is_file() && (REPORT_FILES.contains(&name.as_str()) || is_named()) {
                 fs::rename(entry.path(), earlier.join(&name)).map_err(failed)?;
             }
@@ -86,17 +99,27 @@ mod tests {
         option.create(first).unwrap();
         write("experiment.json", &serde_json::json!({ "command": first, "trace": "a.csv" }).to_string());
         write("a.csv", "1");
+        write("a.recording.json", "1");
+        // Files of others, whose names are parts of words of the report.
         write("mine.toml", "2");
+        write("e", "3");
+        write("rev", "4");
         option.create(first).unwrap();
         assert!(out.join("a.csv").exists() && !out.join("earlier-1").exists());
         option.create(second).unwrap();
         assert!(out.join("earlier-1/a.csv").exists() && out.join("earlier-1/experiment.json").exists());
-        assert!(!out.join("a.csv").exists() && out.join("mine.toml").exists());
-        write("index.html", "<code>revprio simulate &quot;a&quot; &amp; b --stateless</code>");
+        assert!(out.join("earlier-1/a.recording.json").exists() && !out.join("a.csv").exists());
+        assert!(["mine.toml", "e", "rev"].iter().all(|name| out.join(name).exists()));
+        write("index.html", "<code>revprio simulate &quot;a&quot; &amp; b --stateless</code><figure id=\"b\">");
+        write("b.svg", "1");
         option.create(second).unwrap();
         assert!(!out.join("earlier-2").exists());
         option.create("revprio compare a").unwrap();
-        assert!(out.join("earlier-2/index.html").exists() && out.join("earlier-1/a.csv").exists());
+        assert!(
+            out.join("earlier-2/b.svg").exists()
+                && out.join("earlier-2/index.html").exists()
+                && out.join("earlier-1/a.csv").exists()
+        );
         fs::remove_dir_all(out).unwrap();
     }
 }
