@@ -16,7 +16,7 @@ use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming, TargetAh
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 
-use super::arms::{Random, position, task, tool_rows};
+use super::arms::{Random, task, tool_rows};
 use super::best_line;
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::rest::{any_method, any_posture, any_robot, any_target, any_tasks};

@@ -1,6 +1,17 @@
 //! Prints the tables of docs/fast.md.
 
-use super::*;
+use std::sync::Arc;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig};
+use revprio_core::law::{Law, MotionPath};
+use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
+
+use super::{AXES, Arm, DRIVE, Figure, Followed, PATHS, PERIOD, STEPS, Source, Step, follow, looking_ahead, step};
+use crate::arms::{Random, position, task, tool_rows};
+use crate::best_line;
+use crate::drives::LaggingArm;
 
 /// Prints steps and figures of a law.
 fn print(name: &str, law: impl Fn() -> Law) {
