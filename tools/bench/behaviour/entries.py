@@ -10,6 +10,7 @@ from behaviour.controllers.base import Controller, Setting
 
 MODULES = {
     "revprio": "revprio",
+    "revprio, looking ahead": "revprio_ahead",
     "pink": "pink",
     "pink, acceleration limits": "pink_accelerations",
     "mink": "mink",

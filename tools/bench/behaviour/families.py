@@ -1,4 +1,4 @@
-"""The six families of motion: what the target does, and when the arm can be expected to follow it."""
+"""The families of motion: what the target does, and when the arm can be expected to follow it."""
 
 from __future__ import annotations
 
@@ -31,12 +31,26 @@ class Target:
     """Time at which the pose was measured, s."""
     pose: Array
     """Pose of the tool in the base frame, 4 × 4, m."""
+    ahead: tuple[tuple[float, Array], ...] = ()
+    """Where the target will be, if its sender knows: times after `measured_s`, s, and poses."""
 
 
 def every_period(family: Family) -> list[Target]:
     """Returns one exact target per control period, without latency."""
     times = PERIOD_S * np.arange(round(family.duration_s / PERIOD_S))
     return [Target(float(time_s), float(time_s), family.pose(float(time_s))) for time_s in times]
+
+
+AHEAD_S = 0.04 * np.arange(1, 26)
+"""Times after a target at which a sender that knows its motion gives the next ones, s."""
+
+
+def planned(family: Family) -> list[Target]:
+    """Returns one exact target per control period, each with where it will be in the next second."""
+    return [
+        replace(target, ahead=tuple((float(s), family.pose(target.measured_s + float(s))) for s in AHEAD_S))
+        for target in every_period(family)
+    ]
 
 
 @dataclass(frozen=True)
@@ -117,6 +131,30 @@ def flip(time_s: float) -> Array:
     return START @ turn_z(np.radians(-170)) if 1 <= time_s < 5 else START
 
 
+STEPS_S = (1.0, 3.0, 5.0, 7.0)
+"""Times of the steps, s."""
+STEPS_M = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, -0.2, 0.0), (0.0, 0.1, 0.1), (0.0, 0.0, 0.0))
+"""Places before the first step and after each of them, from the start, m: steps of 0.10, 0.20, 0.33 and 0.14 m."""
+
+
+def steps(time_s: float) -> Array:
+    """Jumps to a new place at once, without a turn."""
+    return moved(STEPS_M[sum(1 if time_s >= step else 0 for step in STEPS_S)])
+
+
+def figure(speed: float) -> Callable[[float], Array]:
+    """Returns a figure of 0.12, 0.18 and 0.12 m with the frequencies ω, 2ω and 3ω; `speed`: its largest one, m/s."""
+    # The largest speed of the figure with ω = 1 is 0.519.
+    omega = speed / 0.519
+
+    def pose(time_s: float) -> Array:
+        size, phase = smooth_step(time_s, 0, 2), omega * time_s
+        x, y, z = 0.12 * np.sin(phase), 0.18 * np.sin(2 * phase + 0.5), 0.12 * np.sin(3 * phase + 1.0)
+        return moved((size * x, size * y, size * z))
+
+    return pose
+
+
 JUMPS_S = (3.0, 5.0, 7.0)
 """Times of the jumps of the hand, s."""
 DROP_OUTS: tuple[Interval, ...] = ((8.5, 9.3), (10.8, 11.2))
@@ -183,6 +221,18 @@ ALL = (
         untracked=(*((jump, jump + 0.8) for jump in JUMPS_S), *((start, end + 0.5) for start, end in DROP_OUTS)),
         unreachable=DROP_OUTS,
         sender=tracker,
+    ),
+    Family(
+        "steps",
+        "steps of 0.1 to 0.33 m",
+        9.0,
+        steps,
+        recoveries_s=STEPS_S,
+        untracked=tuple((step, step + 0.8) for step in STEPS_S),
+    ),
+    Family("figure", "figure at 0.6 m/s, known ahead", 9.0, figure(0.6), untracked=((0.0, 2.0),), sender=planned),
+    Family(
+        "fast_figure", "figure at 0.95 m/s, known ahead", 9.0, figure(0.95), untracked=((0.0, 2.0),), sender=planned
     ),
 )
 

@@ -34,6 +34,7 @@ COLUMNS = ("revprio", "pink", "mink")
 FRAMES_PER_S = 10
 COLOURS = {
     "revprio": "#0072b2",
+    "revprio, looking ahead": "#56b4e9",
     "pink": "#d55e00",
     "pink, acceleration limits": "#cc79a7",
     "mink": "#009e73",
@@ -68,7 +69,7 @@ def draw_family(axes: tuple[Axes, Axes], out: Path, family: Family) -> None:
     for name in reversed(entries.MODULES):
         record = load(out, name, SETTING, family)
         times_s = PERIOD_S * np.arange(len(record.position), dtype=np.float64)
-        width = 1.4 if name == entries.OURS else 0.7
+        width = 1.4 if name.startswith(entries.OURS) else 0.7
         left.semilogy(times_s, np.maximum(error_mm(record, family), 0.05), color=COLOURS[name], linewidth=width)
         over = np.maximum(acceleration_over_limit(record), 1e-3)
         right.semilogy(times_s, over, color=COLOURS[name], linewidth=width, alpha=0.8)

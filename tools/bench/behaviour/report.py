@@ -120,10 +120,15 @@ def overall_table(scores: Scores, families: list[Family]) -> str:
     return table(rows)
 
 
+def peers_of(results: dict[str, Score]) -> dict[str, Score]:
+    """Returns the results of the other programs."""
+    return {name: result for name, result in results.items() if not name.startswith(entries.OURS)}
+
+
 def aim_row(family: Family, setting: Setting, results: dict[str, Score]) -> list[str]:
     """Returns whether revprio reaches the aim in one family."""
     ours = results[entries.OURS]
-    peers = {name: result for name, result in results.items() if name != entries.OURS}
+    peers = peers_of(results)
     best = min(peers, key=lambda name: peers[name].tracking_mm)
     tracking = max(ours.tracking_mm, RESOLUTION_MM) / max(peers[best].tracking_mm, RESOLUTION_MM)
     acceleration = ours.acceleration / peers[best].acceleration
@@ -158,7 +163,7 @@ def aim_table(scores: Scores, families: list[Family]) -> str:
     for family in families:
         for setting in SETTINGS:
             results = scores.get((family.name, setting.name), {})
-            if entries.OURS in results and len(results) > 1:
+            if entries.OURS in results and peers_of(results):
                 rows.append(aim_row(family, setting, results))
     return table(rows)
 

@@ -21,7 +21,7 @@ from revprio import (
     StreamedTarget,
 )
 from revprio.errors import RevprioError
-from revprio.models import JointDrive, Orientation
+from revprio.models import JointDrive, Orientation, TargetAhead
 
 from behaviour import arm as model
 from behaviour.controllers.base import ControllerError, Setting
@@ -32,25 +32,24 @@ from behaviour.rotations import Array, from_quaternion, to_quaternion
 URL = os.environ.get("REVPRIO_URL", "http://127.0.0.1:8080")
 CHANGES = json.loads(os.environ.get("REVPRIO_CHANGES", "{}"))
 """Fields of the controller that differ from the defaults, for experiments."""
+AXES = ["x", "y", "z", "rx", "ry", "rz"]
 POSTURE_GAIN = 1.0
 """Gain of the posture, 1/s; that of the teleoperation example."""
 
 
 def controller(drive: Condition, changes: dict[str, Any]) -> ControllerConfig:
     """Returns the controller: the tool follows streamed targets, and the joints stay near their start."""
-    return ControllerConfig(
-        robot="panda",
-        period_s=PERIOD_S,
-        drive=JointDrive(lag_s=drive.lag_s, delay_periods=drive.delay_periods),
-        tasks=[
-            ControllerTask(name="tool", axes=["x", "y", "z", "rx", "ry", "rz"], law=PoseLaw(gain=GAIN)),
-            ControllerTask(
-                name="posture",
-                law=PostureLaw(gain=POSTURE_GAIN, target_position=ConstantProfile(value=list(model.HOME))),
-            ),
+    posture = PostureLaw(gain=POSTURE_GAIN, target_position=ConstantProfile(value=list(model.HOME)))
+    fields = {
+        "robot": "panda",
+        "period_s": PERIOD_S,
+        "drive": JointDrive(lag_s=drive.lag_s, delay_periods=drive.delay_periods),
+        "tasks": [
+            ControllerTask(name="tool", axes=AXES, law=PoseLaw(gain=GAIN)),
+            ControllerTask(name="posture", law=posture),
         ],
-        **changes,
-    )
+    }
+    return ControllerConfig(**(fields | changes))
 
 
 class Revprio:
@@ -94,9 +93,14 @@ class Revprio:
 
 def streamed(target: Target) -> StreamedTarget:
     """Returns a target as a state carries it."""
-    w, x, y, z = to_quaternion(target.pose[:3, :3])
-    pose = StreamedPose(position=target.pose[:3, 3], orientation=Orientation(w=w, x=x, y=y, z=z))
-    return StreamedTarget(time_s=target.measured_s, pose=pose)
+    ahead = [TargetAhead(after_s=after_s, pose=streamed_pose(pose)) for after_s, pose in target.ahead]
+    return StreamedTarget(time_s=target.measured_s, pose=streamed_pose(target.pose), ahead=ahead)
+
+
+def streamed_pose(pose: Array) -> StreamedPose:
+    """Returns a pose as a state carries it."""
+    w, x, y, z = to_quaternion(pose[:3, :3])
+    return StreamedPose(position=pose[:3, 3], orientation=Orientation(w=w, x=x, y=y, z=z))
 
 
 def make(urdf: Path, setting: Setting) -> Revprio:
