@@ -116,6 +116,7 @@ impl RobotArgument {
             urdf,
             base: self.base.clone().or(file.base),
             tip: self.tip.clone().or(file.tip),
+            tips: None,
             limits: file.limits,
             joint_names: file.joint_names,
             tool_offset: file.tool_offset,

@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::limits::JointMotion;
-use revprio_robot::kinematics::link_frames;
+use revprio_robot::kinematics::{Configuration, link_frames};
 
 use super::pose::pose_answer;
 
@@ -23,7 +23,7 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
         last_acceleration: &[],
     };
     let allowed = config.limits.at(robot, motion, config.period_s).velocity_box;
-    let tool = frames.last().map_or(*robot.tool(), |frame| frame * robot.tool());
+    let tool = *Configuration::new(robot, position).ok()?.tool_pose();
     let joint = |(i, frame): (usize, &nalgebra::IsometryMatrix3<f64>)| {
         let (origin, axis) = (frame.translation.vector, frame.rotation * nalgebra::Vector3::z());
         wire::JointView {

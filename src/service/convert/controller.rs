@@ -119,7 +119,10 @@ fn config_pointer(error: &ConfigError) -> String {
 
 fn task_field(error: &TaskConfigError) -> &'static str {
     match error {
-        TaskConfigError::Rows(RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw) => "/law",
+        TaskConfigError::Rows(
+            RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw | RowsError::LinkLaw,
+        ) => "/law",
+        TaskConfigError::Rows(RowsError::Link) => "/link",
         TaskConfigError::Rows(RowsError::Joints) => "/law/joints",
         TaskConfigError::Rows(RowsError::Jacobian { .. }) => "/jacobian",
         TaskConfigError::Unstable { .. } => "/law/gain",

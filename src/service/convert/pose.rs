@@ -5,10 +5,11 @@ use std::sync::Arc;
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
 use revprio_api::wire;
 use revprio_robot::RobotModel;
-use revprio_robot::kinematics::{Frame, TaskFrame, pose as pose_of};
+use revprio_robot::kinematics::{BodyFrame, Frame, TaskBody, TaskFrame, pose as pose_of};
 
 use super::checks::{Inside, Refused, Result};
 use super::numbers::check_numbers;
+use crate::service::error::ApiError;
 
 /// Reads a pose.
 pub fn pose(pose: &wire::Pose) -> Result<IsometryMatrix3<f64>> {
@@ -18,7 +19,7 @@ pub fn pose(pose: &wire::Pose) -> Result<IsometryMatrix3<f64>> {
 }
 
 /// Reads the frame and the reference point of a task.
-pub fn task_frame(frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Result<TaskFrame> {
+pub fn task_frame(body: Option<TaskBody>, frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Result<TaskFrame> {
     let point = reference_point.unwrap_or_default();
     check_numbers(&point, "/reference_point")?;
     let frame = match frame {
@@ -26,7 +27,33 @@ pub fn task_frame(frame: &wire::Frame, reference_point: Option<[f64; 3]>) -> Res
         wire::Frame::Tool => Frame::Tool,
         wire::Frame::Fixed(stated) => Frame::Fixed(pose(stated).inside("/frame")?),
     };
-    Ok(TaskFrame { frame, reference_point: Vector3::from(point) })
+    Ok(TaskFrame { body, frame, reference_point: Vector3::from(point) })
+}
+
+/// Reads the link of a task, and the link from which it is seen; `None`: the tool seen from the base.
+pub fn task_body(robot: &RobotModel, link: Option<&str>, relative_to: Option<&str>) -> Result<Option<TaskBody>> {
+    let named = |name: &str, pointer: &str| body_frame(robot, name).ok_or_else(|| unknown_link(robot, name, pointer));
+    let relative_to = relative_to.map(|name| named(name, "/relative_to")).transpose()?;
+    let body = match link {
+        Some(name) => named(name, "/link")?,
+        None if relative_to.is_some() => BodyFrame::from(&robot.tips()[0]),
+        None => return Ok(None),
+    };
+    let is_tool = relative_to.is_none() && body == BodyFrame::from(&robot.tips()[0]);
+    Ok((!is_tool).then_some(TaskBody { body, relative_to }))
+}
+
+/// Returns the frame of a tip, or of a link.
+fn body_frame(robot: &RobotModel, name: &str) -> Option<BodyFrame> {
+    robot.tip(name).map(BodyFrame::from).or_else(|| robot.link(name).map(BodyFrame::from))
+}
+
+fn unknown_link(robot: &RobotModel, name: &str, pointer: &str) -> ApiError {
+    let links = robot.links().iter().map(|link| &link.name);
+    let mut names: Vec<String> = robot.tips().iter().map(|tip| &tip.name).chain(links).cloned().collect();
+    names.dedup();
+    let detail = format!("`{}` has no tip and no link `{name}`", robot.name());
+    ApiError::invalid(pointer, detail).with_candidates(&names)
 }
 
 /// Returns the robot with the tool offset of the request.

@@ -70,7 +70,7 @@ struct Request<'a> {
 /// Reads a request.
 pub fn resolve_problem(body: &wire::ResolveRequest, robots: &Robots) -> Result<ResolveProblem> {
     let request = Request::read(body, robots)?;
-    let tasks = task_stack(body, request.configuration.as_ref())?;
+    let tasks = task_stack(body, request.at())?;
     if body.certificate {
         check_names(tasks.tasks())?;
     }

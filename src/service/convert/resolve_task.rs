@@ -3,11 +3,12 @@
 use revprio_api::wire;
 use revprio_core::linalg::Matrix;
 use revprio_core::task::{Task, TaskError, TaskStack};
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{AxisSelection, Configuration};
 
 use super::checks::{Inside, Missing, Refused, Result, check, each};
 use super::numbers::{MAX_JOINTS, check_numbers, numbers, velocity_bounds};
-use super::pose::task_frame;
+use super::pose::{task_body, task_frame};
 use super::terms;
 use crate::service::error::ApiError;
 
@@ -15,8 +16,8 @@ use crate::service::error::ApiError;
 pub const MAX_ROWS: usize = 512;
 
 /// Reads the tasks of a request.
-pub fn task_stack(request: &wire::ResolveRequest, configuration: Option<&Configuration>) -> Result<TaskStack> {
-    let tasks: Vec<Task> = each("/tasks", &request.tasks, |k, request| task(k, request, configuration))?;
+pub fn task_stack(request: &wire::ResolveRequest, arm: Option<(&RobotModel, &Configuration)>) -> Result<TaskStack> {
+    let tasks: Vec<Task> = each("/tasks", &request.tasks, |k, request| task(k, request, arm))?;
     check_row_count(tasks.iter().map(|task| task.jacobian.nrows()))?;
     TaskStack::new(tasks).map_err(|error| ApiError::invalid(task_pointer(&error), error))
 }
@@ -37,16 +38,20 @@ fn task_pointer(error: &TaskError) -> String {
     }
 }
 
-fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration>) -> Result<Task> {
+fn task(k: usize, task: &wire::ResolveTask, arm: Option<(&RobotModel, &Configuration)>) -> Result<Task> {
     let jacobian = match (&task.axes, &task.jacobian) {
         (Some(axes), None) => {
             let axes = axis_selection(axes, "/axes")?;
             let detail = "axes need `robot` and `joint_position`; or give `jacobian` rows instead";
-            let configuration = configuration.or_invalid("/axes", detail)?;
-            let frame = task_frame(&task.frame, task.reference_point)?;
+            let (robot, configuration) = arm.or_invalid("/axes", detail)?;
+            let body = task_body(robot, task.link.as_deref(), task.relative_to.as_deref())?;
+            let frame = task_frame(body, &task.frame, task.reference_point)?;
             axes.rows_of(&frame.at(configuration).jacobian())
         }
-        (None, Some(rows)) => own_jacobian(rows, &task.frame, task.reference_point)?,
+        (None, Some(rows)) => {
+            check_no_link(task.link.as_deref(), task.relative_to.as_deref())?;
+            own_jacobian(rows, &task.frame, task.reference_point)?
+        }
         _ => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
     };
     let name = task.name.clone().unwrap_or_else(|| format!("task {}", k + 1));
@@ -64,6 +69,12 @@ fn task(k: usize, task: &wire::ResolveTask, configuration: Option<&Configuration
 /// Returns the error of a task with bounds that is to be scaled.
 pub fn scaled_bounds() -> ApiError {
     ApiError::invalid("/scale", "a task with bounds has no direction to keep; omit `scale`")
+}
+
+/// Checks that a task with `jacobian` names no link.
+pub fn check_no_link(link: Option<&str>, relative_to: Option<&str>) -> Result<()> {
+    check(link.is_none(), "/link", "`jacobian` rows have no link; it needs `axes`")?;
+    check(relative_to.is_none(), "/relative_to", "`jacobian` rows have no link; it needs `axes`")
 }
 
 /// Reads the Jacobian of a task at `/jacobian`. Such a task has no frame and no reference point.

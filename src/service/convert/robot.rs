@@ -2,30 +2,47 @@
 
 use revprio_api::wire;
 use revprio_robot::{
-    ChainSelection, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, UrdfError, UrdfOptions,
+    ChainSelection, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, Tip, UrdfError, UrdfOptions,
+    UrdfTip, UrdfTreeOptions,
 };
 
-use super::checks::{Inside, Result, check};
+use super::checks::{Inside, Result, check, each};
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
 use crate::service::error::{ApiError, escape_pointer};
 use crate::service::robots::RobotsError;
 
+/// Maximum number of tips of a robot.
+pub const MAX_TIPS: usize = 32;
+
 /// Reads a robot to be registered.
 pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let overrides = overrides(request)?;
-    let options = UrdfOptions {
-        name: Some(&request.name),
-        description: None,
-        base: request.base.as_deref(),
-        tip: request.tip.as_deref(),
-        overrides: Some(&overrides),
+    let (name, base) = (Some(&*request.name), request.base.as_deref());
+    let robot = match &request.tips {
+        Some(tips) => {
+            check(request.tip.is_none(), "/tip", "give either `tip` or `tips`")?;
+            let tips: Vec<_> = each("/tips", tips, |_, tip| registered_tip(tip))?;
+            check((1..=MAX_TIPS).contains(&tips.len()), "/tips", format_args!("give 1 to {MAX_TIPS} tips"))?;
+            let options = UrdfTreeOptions { name, description: None, base, tips: &tips, overrides: Some(&overrides) };
+            RobotModel::from_urdf_tree(&request.urdf, &options)
+        }
+        None => {
+            let tip = request.tip.as_deref();
+            let options = UrdfOptions { name, description: None, base, tip, overrides: Some(&overrides) };
+            RobotModel::from_urdf(&request.urdf, &options)
+        }
     };
-    let robot = RobotModel::from_urdf(&request.urdf, &options).map_err(|error| urdf_error(request, &error))?;
+    let robot = robot.map_err(|error| urdf_error(request, &error))?;
     let joints = robot.joint_count();
-    let detail = format_args!("{joints} joints in the chain; a robot has at most {MAX_JOINTS}");
+    let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
     check(joints <= MAX_JOINTS, "/urdf", detail).map(|()| robot)
+}
+
+fn registered_tip(tip: &wire::RegisteredTip) -> Result<UrdfTip<'_>> {
+    let offset = tip.offset.as_ref().map(pose).transpose().inside("/offset")?.unwrap_or_default();
+    Ok(UrdfTip { name: &tip.name, link: &tip.link, offset })
 }
 
 /// Reads the values of a registration that replace those of its text.
@@ -48,6 +65,12 @@ fn urdf_error(request: &wire::RobotRegistration, error: &UrdfError) -> ApiError 
     let pointer = match error {
         UrdfError::Base { .. } | UrdfError::UnknownBase { .. } => "/base",
         UrdfError::Tip { .. } | UrdfError::Arms { .. } | UrdfError::UnknownTip { .. } => "/tip",
+        UrdfError::Model(
+            ModelError::DuplicateTip { .. }
+            | ModelError::UnknownTip { .. }
+            | ModelError::FixedTip { .. }
+            | ModelError::TipNotFinite { .. },
+        ) => "/tips",
         UrdfError::UnknownJoint { field: "limits", .. } => "/limits",
         UrdfError::UnknownJoint { .. } | UrdfError::JointName { .. } => "/joint_names",
         UrdfError::Model(ModelError::DuplicateJoint { .. }) if request.joint_names.is_some() => "/joint_names",
@@ -77,8 +100,14 @@ pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
         description: robot.description().to_owned(),
         source: source(robot),
         joints: robot.joints().iter().map(joint_answer).collect(),
+        tips: robot.tips().iter().map(|tip| tip_answer(robot, tip)).collect(),
+        links: robot.links().iter().map(|link| link.name.clone()).collect(),
         chain: robot.selection().map(|selection| chain_answer(robot, selection)),
     }
+}
+
+fn tip_answer(robot: &RobotModel, tip: &Tip) -> wire::RobotTip {
+    wire::RobotTip { name: tip.name.clone(), link: robot.links()[tip.link.index()].name.clone() }
 }
 
 fn chain_answer(robot: &RobotModel, selection: &ChainSelection) -> wire::RobotChain {

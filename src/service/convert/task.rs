@@ -11,9 +11,9 @@ use revprio_robot::kinematics::half_range;
 
 use super::checks::{Inside, Missing, Result, check, each};
 use super::numbers::{inertia, joint_index, velocity_bounds};
-use super::pose::{pose, task_frame};
+use super::pose::{pose, task_body, task_frame};
 use super::profile::{PerRow, at_row};
-use super::resolve_task::{axis_selection, own_jacobian, scaled_bounds};
+use super::resolve_task::{axis_selection, check_no_link, own_jacobian, scaled_bounds};
 use super::targets::streaming;
 use super::terms;
 use crate::service::error::ApiError;
@@ -28,7 +28,7 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
             joints.and_then(|joints| posture(joints, target_position, law)).inside("/law")?
         }
         law => match (&task.axes, &task.jacobian) {
-            (Some(axes), None) => tool_task(task, axes, law.as_ref())?,
+            (Some(axes), None) => tool_task(task, axes, law.as_ref(), robot)?,
             (None, Some(jacobian)) => raw_task(task, jacobian, law.as_ref(), robot)?,
             (None, None) => {
                 return Err(ApiError::invalid("/axes", "this task needs `axes`, the controlled axes of the tool"));
@@ -40,10 +40,16 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
     Ok(TaskConfig { name: task.name.clone(), rows, law, scaled: task.scale, streaming })
 }
 
-fn tool_task(task: &wire::ControllerTask, axes: &[wire::Axis], law: Option<&wire::Law>) -> Result<(TaskRows, Law)> {
+fn tool_task(
+    task: &wire::ControllerTask,
+    axes: &[wire::Axis],
+    law: Option<&wire::Law>,
+    robot: &RobotModel,
+) -> Result<(TaskRows, Law)> {
     let axes = axis_selection(axes, "/axes")?;
     let reader = LawReader(PerRow { rows: axes.len() });
-    let rows = ToolRows { frame: task_frame(&task.frame, task.reference_point)?, ..ToolRows::new(axes) };
+    let body = task_body(robot, task.link.as_deref(), task.relative_to.as_deref())?;
+    let rows = ToolRows { frame: task_frame(body, &task.frame, task.reference_point)?, ..ToolRows::new(axes) };
     let rows = match law {
         Some(law) => reader.with_target(rows, law).inside("/law")?,
         None => rows,
@@ -58,6 +64,7 @@ fn raw_task(
     law: Option<&wire::Law>,
     robot: &RobotModel,
 ) -> Result<(TaskRows, Law)> {
+    check_no_link(task.link.as_deref(), task.relative_to.as_deref())?;
     let jacobian = own_jacobian(jacobian, &task.frame, task.reference_point)?;
     let (given, expected, name) = (jacobian.ncols(), robot.joint_count(), robot.name());
     check(given == expected, "/jacobian", format_args!("{given} columns, but `{name}` has {expected} joints"))?;
@@ -89,6 +96,8 @@ fn check_posture_fields(task: &wire::ControllerTask) -> Result<()> {
         ("upper", task.upper.is_some()),
         ("frame", task.frame != wire::Frame::Base),
         ("reference_point", task.reference_point.is_some()),
+        ("link", task.link.is_some()),
+        ("relative_to", task.relative_to.is_some()),
     ];
     let Some((field, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
     let detail = format!("the law `posture` controls joints and has no `{field}`; select joints with `joints`");

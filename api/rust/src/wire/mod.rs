@@ -41,7 +41,7 @@ pub use enums::{
 };
 pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
-pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame};
+pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame, TipPose};
 pub use law::{Law, LawTarget, MotionPath, PostureTarget};
 pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
 pub use object::Object;
@@ -54,8 +54,8 @@ pub use problem::Problem;
 pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest, ResolveTask};
 pub use robot::{
-    DenavitHartenberg, LeftOutJoint, LeftOutReason, Robot, RobotChain, RobotJoint, RobotList, RobotRegistration,
-    RobotSource, StatedLimits, TipReason,
+    DenavitHartenberg, LeftOutJoint, LeftOutReason, RegisteredTip, Robot, RobotChain, RobotJoint, RobotList,
+    RobotRegistration, RobotSource, RobotTip, StatedLimits, TipReason,
 };
 pub use simulation::{Interactive, Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};

@@ -28,6 +28,10 @@ pub struct RobotRegistration {
     /// Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
+    /// Tips of a robot with several arms, first the tool; then the robot is all that is below the base. Set it for two arms, a torso or a
+    /// mobile base; instead of `tip`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tips: Option<Vec<RegisteredTip>>,
     /// Limits that replace or complete those of the text, by the name of the joint in the text.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<BTreeMap<String, StatedLimits>>,
@@ -37,6 +41,19 @@ pub struct RobotRegistration {
     /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
+}
+
+/// A frame on a link that tasks can name, such as a tool.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegisteredTip {
+    /// Name for the `link` and `relative_to` of tasks, unique among the tips.
+    pub name: String,
+    /// Link of the text that carries it.
+    pub link: String,
+    /// Pose in the frame of the link, m; default: the frame of the link.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<Pose>,
 }
 
 /// Limits of one joint; a limit that is not given is read from the text.
@@ -79,9 +96,24 @@ pub struct Robot {
     pub source: RobotSource,
     /// Joints, base first; the order of all vectors of joints.
     pub joints: Vec<RobotJoint>,
+    /// Tips, first the tool. Tasks name them as `link` and `relative_to`.
+    #[serde(default)]
+    pub tips: Vec<RobotTip>,
+    /// Names of the links, base first. Tasks can name them too.
+    #[serde(default)]
+    pub links: Vec<String>,
     /// The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chain: Option<RobotChain>,
+}
+
+/// A frame on a link.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct RobotTip {
+    /// Name.
+    pub name: String,
+    /// Link that carries it.
+    pub link: String,
 }
 
 /// The chain of a URDF text that is the arm.

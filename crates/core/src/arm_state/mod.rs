@@ -48,6 +48,8 @@ pub(crate) struct ArmState {
     measured: Configuration,
     /// p; `None`: the controller acts at q.
     rest: Option<Configuration>,
+    /// The posture at the first step; `None`: no task needs it.
+    initial: Option<Configuration>,
     /// m = p + ½ T q̇⁻; `None`: no constraint needs it.
     half_way: Option<Configuration>,
     /// Memory for a joint position, n.
@@ -59,6 +61,8 @@ pub(crate) struct ArmState {
 pub(crate) struct Needs {
     /// The posture of rest.
     pub rest: bool,
+    /// The posture at the first step.
+    pub initial: bool,
     /// The posture half-way.
     pub half_way: bool,
     /// The acceleration of the last command.
@@ -98,6 +102,7 @@ impl ArmState {
             last_command: zeros.clone(),
             last_acceleration: if needs.acceleration { zeros.clone() } else { Vec::new() },
             rest: needs.rest.then(|| measured.clone()),
+            initial: needs.initial.then(|| measured.clone()),
             half_way: needs.half_way.then(|| measured.clone()),
             measured,
             position: zeros,
@@ -118,6 +123,19 @@ impl ArmState {
         self.joint_velocity.fill(0.0);
         self.twist = self.measured.twist(&self.joint_velocity);
         Ok(())
+    }
+
+    /// Updates the posture at the first step (n), if a task needs it and it is not known yet.
+    pub fn start_at(&mut self, joint_position: &[f64]) -> Result<(), ConfigurationError> {
+        match &mut self.initial {
+            Some(initial) if initial.joint_position() != joint_position => initial.update(&self.robot, joint_position),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Returns the arm's posture at the first step; the measured one if no task needs it.
+    pub fn initial(&self) -> &Configuration {
+        self.initial.as_ref().unwrap_or(&self.measured)
     }
 
     /// Updates the posture of rest and that half-way from the measured posture, the distance to rest and the last command;

@@ -163,11 +163,11 @@ impl VirtualPlane {
 
     /// Returns the columns of the Jacobian of the point, n, m/s.
     fn columns(&self, configuration: &Configuration) -> impl Iterator<Item = Vector3<f64>> {
-        let moving_joints = match self.point {
-            PlanePoint::Tool => configuration.joint_position().len(),
-            PlanePoint::Joint(joint) => joint,
+        let (tool, origin) = match self.point {
+            PlanePoint::Tool => (Some(configuration.tool_point_jacobian()), None),
+            PlanePoint::Joint(joint) => (None, Some(configuration.joint_origin_jacobian(joint))),
         };
-        configuration.point_jacobian(self.position(configuration), moving_joints)
+        tool.into_iter().flatten().chain(origin.into_iter().flatten())
     }
 }
 

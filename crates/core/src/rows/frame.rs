@@ -1,11 +1,15 @@
 //! Rows of axes of the tool, and their target pose.
 
 use nalgebra::{Isometry3, IsometryMatrix3, Rotation3, UnitQuaternion, Vector3};
-use revprio_robot::kinematics::{AxisSelection, Frame, RotationMotion, TaskFrame, orientation_error};
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{
+    AxisSelection, Configuration, Frame, PlacedFrame, RotationMotion, TaskFrame, orientation_error,
+};
 
 use super::kind::RowKind;
+use super::rows_error::RowsError;
 use crate::arm_state::{ArmAt, ArmState};
-use crate::law::{Profile, SetPoint, TaskState, TaskVector};
+use crate::law::{Law, Profile, SetPoint, TaskState, TaskVector};
 use crate::linalg::Matrix;
 use crate::streaming::{ActiveStream, Reference, TargetValue};
 
@@ -47,7 +51,8 @@ impl ToolRows {
 
     /// Returns J_k q̇, m.
     pub(super) fn velocity(&self, at: ArmAt) -> TaskVector {
-        self.select(&self.frame.at(at.configuration).twist(&at.arm.twist))
+        let placed = self.frame.at(at.configuration);
+        self.select(&placed.body_twist(&at.arm.joint_velocity).unwrap_or_else(|| placed.twist(&at.arm.twist)))
     }
 
     /// Selects the entries of a twist or a wrench, m.
@@ -62,7 +67,7 @@ impl ToolRows {
         let placed = self.frame.at(configuration);
         let rows = |[linear, angular]: [Vector3<f64>; 2]| self.select(&placed.components(linear, angular));
         let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm, time_s));
-        let actual = self.frame.pose(configuration.tool_pose());
+        let actual = self.pose(configuration);
         let displacement = [
             actual.translation.vector - target.pose.translation.vector,
             orientation_error(&actual.rotation, &target.pose.rotation),
@@ -73,9 +78,27 @@ impl ToolRows {
             displacement: rows(displacement),
             target_velocity: rows(target.velocity),
             target_acceleration: rows(target.acceleration),
-            force: self.select(&placed.wrench(&arm.wrench)),
+            force: self.force(arm, &placed),
             streamed: None,
         }
+    }
+
+    /// Returns F_e, m. The wrench is measured at the tool: no law of another body reads it.
+    fn force(&self, arm: &ArmState, placed: &PlacedFrame) -> TaskVector {
+        if self.frame.body.is_some() {
+            TaskVector::zeros(self.axes.len())
+        } else {
+            self.select(&placed.wrench(&arm.wrench))
+        }
+    }
+
+    /// Checks that the robot has the links of the body, and that the law reads no wrench of a body that is not the tool.
+    pub(super) fn check_body(&self, robot: &RobotModel, law: &Law) -> Result<(), RowsError> {
+        let Some(body) = &self.frame.body else { return Ok(()) };
+        if body.last_link().index() >= robot.links().len() {
+            return Err(RowsError::Link);
+        }
+        if law.integrates() { Err(RowsError::LinkLaw) } else { Ok(()) }
     }
 
     /// Returns whether the axis of a row is linear or angular.
@@ -92,7 +115,7 @@ impl ToolRows {
 
     /// Returns the measured pose with a velocity of the task, m.
     pub(super) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
-        let pose = self.frame.pose(at.configuration.tool_pose());
+        let pose = self.pose(at.configuration);
         let velocity = self.displacement(velocity, &pose.rotation);
         Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
     }
@@ -104,7 +127,7 @@ impl ToolRows {
         orientation: Option<UnitQuaternion<f64>>,
         at: ArmAt,
     ) -> TargetValue {
-        let actual = self.frame.pose(at.configuration.tool_pose());
+        let actual = self.pose(at.configuration);
         let frame = match self.frame.frame {
             Frame::Base | Frame::Tool => Isometry3::identity(),
             Frame::Fixed(frame) => quaternion_pose(&frame),
@@ -134,6 +157,19 @@ impl ToolRows {
         TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     }
 
+    /// Returns the pose at the reference point, m.
+    fn pose(&self, configuration: &Configuration) -> IsometryMatrix3<f64> {
+        self.frame.pose(&self.frame.body_pose(configuration))
+    }
+
+    /// Returns the pose at the reference point at the first step, m.
+    fn initial_pose(&self, arm: &ArmState) -> IsometryMatrix3<f64> {
+        match &self.frame.body {
+            Some(body) => self.frame.pose(&body.pose(arm.initial())),
+            None => self.frame.pose(&arm.initial_pose),
+        }
+    }
+
     /// Returns the rotation from the axes of the rows to the base axes.
     fn rotation(&self, target: &Rotation3<f64>) -> Rotation3<f64> {
         match self.frame.frame {
@@ -151,7 +187,7 @@ impl ToolRows {
     /// Returns X_d with its derivatives at a time.
     fn target(&self, arm: &ArmState, time_s: f64) -> MovingPose {
         let pose = match (self.target_pose, self.frame.frame) {
-            (TargetPose::Initial, _) => self.frame.pose(&arm.initial_pose),
+            (TargetPose::Initial, _) => self.initial_pose(arm),
             (TargetPose::Fixed(pose), Frame::Fixed(frame)) => frame * pose,
             (TargetPose::Fixed(pose), Frame::Base | Frame::Tool) => pose,
         };

@@ -46,6 +46,11 @@ impl TaskRows {
         }
     }
 
+    /// Returns whether the rows move another body than the tool, or see it from another link than the base.
+    pub fn has_body(&self) -> bool {
+        matches!(self, Self::Tool(rows) if rows.frame.body.is_some())
+    }
+
     /// Returns m, the number of rows.
     #[expect(clippy::len_without_is_empty, reason = "a task has at least one row")]
     pub fn len(&self) -> usize {
@@ -61,6 +66,7 @@ impl TaskRows {
         RowsError::unless_equal(self.len(), law.rows())?;
         match self {
             Self::Tool(rows) => {
+                rows.check_body(robot, law)?;
                 RowsError::unless_equal(self.len(), rows.target_displacement.as_ref().map_or(self.len(), Profile::rows))
             }
             Self::Joints(rows) => rows.check(robot, law),

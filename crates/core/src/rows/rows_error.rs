@@ -17,6 +17,14 @@ pub enum RowsError {
     /// A law that reads positions or the wrench is set on constant rows.
     #[error("constant rows can have the law velocity, or bounds, only")]
     RawLaw,
+    /// The robot has no such link.
+    #[error("the robot has no such link")]
+    Link,
+    /// A law that reads the wrench is set on a body that is not the tool.
+    #[error(
+        "the wrench is measured at the tool; a task of another link can have the laws velocity and position, or bounds, only"
+    )]
+    LinkLaw,
     /// Constant rows do not fit the robot or are not finite.
     #[error("a Jacobian needs at least one row of {expected} finite numbers, one per joint")]
     Jacobian {

@@ -38,7 +38,7 @@ fn sine(rows: usize, amplitude: f64) -> Profile {
 #[test]
 fn rows_of_every_kind_allocate_nothing() {
     let moving = |rows: TaskRows| task("move", rows, Law::Velocity(sine(3, 0.05)));
-    let frame = |frame| TaskFrame { frame, reference_point: Vector3::new(0.0, 0.02, 0.1) };
+    let frame = |frame| TaskFrame { frame, reference_point: Vector3::new(0.0, 0.02, 0.1), ..TaskFrame::default() };
     let framed = |place| TaskRows::Tool(ToolRows { frame: frame(place), ..tool_rows(&LINEAR) });
     let fixed = IsometryMatrix3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.4, 0.5, 0.6));
     let raw = Matrix::from_fn(3, 7, |row, joint| if joint == 2 * row { 1.0 } else { 0.1 });

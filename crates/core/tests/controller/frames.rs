@@ -252,6 +252,7 @@ fn the_initial_pose_is_the_pose_of_the_reference_point() {
         frame: TaskFrame {
             frame: Frame::Fixed(IsometryMatrix3::from_parts(Vector3::zeros().into(), turned)),
             reference_point: POINT.into(),
+            ..TaskFrame::default()
         },
         ..tool_rows(&Axis::ALL)
     };

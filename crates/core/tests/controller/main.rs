@@ -31,3 +31,4 @@ mod stuck;
 mod targets;
 mod tracking;
 mod transition;
+mod two_arms;

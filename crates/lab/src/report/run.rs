@@ -39,6 +39,8 @@ impl Run {
             description: String::new(),
             source: wire::RobotSource::Urdf,
             joints: Vec::new(),
+            tips: Vec::new(),
+            links: Vec::new(),
             chain: None,
         };
         Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording, requests: None }

@@ -55,6 +55,8 @@ mod tests {
             description: String::new(),
             source: wire::RobotSource::DenavitHartenberg,
             joints: Vec::new(),
+            tips: Vec::new(),
+            links: Vec::new(),
             chain: None,
         };
         let text = sentences(&scenario, &robot).join("\n");

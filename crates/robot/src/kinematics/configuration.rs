@@ -165,14 +165,20 @@ impl Configuration {
     ///
     /// Panics if the robot has no such link, or if there are fewer than n velocities.
     pub fn point_twist(&self, point: &LinkPoint, joint_velocity: &[f64]) -> [f64; 6] {
-        let position = self.position(point);
-        let [carrier, observer] = self.ends(point);
         let mut twist = [0.0; 6];
-        for mover in Mover::between(&self.tree, carrier, observer) {
-            let (coordinate, column) = mover.column(&self.tree, &self.frames, &position);
+        for (coordinate, column) in self.point_columns(point) {
             twist.iter_mut().zip(column).for_each(|(entry, slope)| *entry += slope * joint_velocity[coordinate]);
         }
         twist
+    }
+
+    /// Returns the joints (index from 0) that move a point of a link, and what each moving joint adds to its column of the Jacobian, along
+    /// the base axes.
+    pub(super) fn point_columns<'a>(&'a self, point: &LinkPoint) -> impl Iterator<Item = (usize, [f64; 6])> + use<'a> {
+        let position = self.position(point);
+        let [carrier, observer] = self.ends(point);
+        Mover::between(&self.tree, carrier, observer)
+            .map(move |mover| mover.column(&self.tree, &self.frames, &position))
     }
 
     /// Returns the moving joints that carry the link of a point and the link from which it is seen.
@@ -195,18 +201,32 @@ impl Configuration {
         vector(&self.frames[self.tree.moving_joint_of(joint)].origin)
     }
 
-    /// Returns the columns of the Jacobian of a point (base frame, m) that only the first `moving_joints` joints of a serial
-    /// arm move, n, m/s. For other robots, use [`Self::write_point_jacobian`].
+    /// Returns the columns of the Jacobian of the tool point, n, m/s.
+    pub fn tool_point_jacobian(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.jacobian.column_iter().map(|column| column.fixed_rows::<3>(0).into_owned())
+    }
+
+    /// Returns the columns of the Jacobian of [`Self::joint_origin`], n, m/s. The joints above that joint move it.
     ///
-    /// The origin of joint j (index from 0) is moved by the first j joints, the tool point by all.
-    pub fn point_jacobian(&self, point: Vector3<f64>, moving_joints: usize) -> impl Iterator<Item = Vector3<f64>> {
-        let lever = point - self.tool_pose.translation.vector;
-        self.jacobian.column_iter().enumerate().map(move |(joint, column)| {
-            if joint < moving_joints {
-                column.fixed_rows::<3>(0) + column.fixed_rows::<3>(3).cross(&lever)
-            } else {
-                Vector3::zeros()
+    /// # Panics
+    ///
+    /// Panics if the robot has no such joint.
+    pub fn joint_origin_jacobian(&self, joint: usize) -> impl Iterator<Item = Vector3<f64>> {
+        let (origin, is_serial) = (self.joint_origin(joint), self.tree.forward().is_serial());
+        let above = self.tree.moving()[self.tree.moving_joint_of(joint)].parent;
+        let lever = origin - self.tool_pose.translation.vector;
+        self.jacobian.column_iter().enumerate().map(move |(j, column)| {
+            if is_serial && j < joint {
+                return column.fixed_rows::<3>(0) + column.fixed_rows::<3>(3).cross(&lever);
             }
+            let mut sum = Vector3::zeros();
+            if !is_serial {
+                for mover in Mover::between(&self.tree, above, None) {
+                    let (coordinate, [x, y, z, ..]) = mover.column(&self.tree, &self.frames, &origin);
+                    sum += if coordinate == j { Vector3::new(x, y, z) } else { Vector3::zeros() };
+                }
+            }
+            sum
         })
     }
 
@@ -280,7 +300,7 @@ mod tests {
             let last = q.len() - 1;
             let whole = Configuration::new(&robot, &q).unwrap();
             let origin = whole.joint_origin(last);
-            let jacobian = Matrix3xX::from_columns(&whole.point_jacobian(origin, last).collect::<Vec<_>>());
+            let jacobian = Matrix3xX::from_columns(&whole.joint_origin_jacobian(last).collect::<Vec<_>>());
             prop_assert_eq!(jacobian.column(last).amax(), 0.0);
             if last > 0 {
                 let (joints, placement) = (robot.joints()[..last].to_vec(), robot.joints()[last].placement);

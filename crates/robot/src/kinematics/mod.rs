@@ -25,6 +25,7 @@ mod orientation_error;
 mod pose;
 mod posture_check;
 mod rotation_motion;
+mod task_body;
 mod task_frame;
 
 pub use axes::{Axis, AxisSelection, AxisSelectionError};
@@ -37,4 +38,5 @@ pub use orientation_error::orientation_error;
 pub use pose::{NotUnitLength, UNIT_LENGTH_TOLERANCE, pose};
 pub use posture_check::ConfigurationError;
 pub use rotation_motion::RotationMotion;
+pub use task_body::{BodyFrame, TaskBody};
 pub use task_frame::{Frame, PlacedFrame, TaskFrame};

@@ -4,48 +4,56 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, IsometryMatrix3, Rotation3, Vector3};
 
-use super::{AxisSelection, Configuration, Jacobian};
+use super::{AxisSelection, Configuration, Jacobian, TaskBody};
 
 /// The axes along which the rows of a task are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Frame {
-    /// The axes of the base.
+    /// The axes of the base, or of the frame from which the body of the task is seen.
     #[default]
     Base,
-    /// The axes of the tool, which turn with it. Displacements, velocities and forces of the task are measured along
-    /// the present tool axes, even if the target rests in the base.
+    /// The axes of the tool, or of the body of the task, which turn with it. Displacements, velocities and forces of the task are measured
+    /// along the present axes, even if the target rests in the base.
     Tool,
-    /// The axes of a frame that is fixed in the base (m).
+    /// The axes of a frame that is fixed in the base (m), or in the frame from which the body is seen.
     Fixed(IsometryMatrix3<f64>),
 }
 
-/// Reference point and axes of a task.
+/// Body, reference point and axes of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TaskFrame {
+    /// The frame that moves; `None`: the tool, seen from the base.
+    pub body: Option<TaskBody>,
     /// The axes.
     pub frame: Frame,
-    /// The reference point in the tool frame, m; zero is the tool point.
+    /// The reference point in the frame of the tool or of the body, m; zero is its origin.
     pub reference_point: Vector3<f64>,
 }
 
 impl TaskFrame {
     /// Places the frame at a posture.
-    pub fn at<'a>(&self, configuration: &'a Configuration) -> PlacedFrame<'a> {
-        let rotation = &configuration.tool_pose().rotation;
+    pub fn at<'a>(&'a self, configuration: &'a Configuration) -> PlacedFrame<'a> {
+        let body = self.body.as_ref();
+        let rotation = body.map_or(configuration.tool_pose().rotation, |body| body.pose(configuration).rotation);
         let axes = match self.frame {
             Frame::Base => None,
-            Frame::Tool => Some(*rotation),
+            Frame::Tool => Some(rotation),
             Frame::Fixed(frame) => Some(frame.rotation),
         };
         let is_at_tool = self.reference_point.as_slice() == [0.0; 3];
         let lever = (!is_at_tool).then(|| rotation * self.reference_point);
-        PlacedFrame { configuration, axes, lever }
+        PlacedFrame { configuration, body, axes, lever }
     }
 
-    /// Returns the pose at the reference point, parallel to the tool frame, for a tool pose (base frame, m).
-    pub fn pose(&self, tool_pose: &IsometryMatrix3<f64>) -> IsometryMatrix3<f64> {
-        let mut pose = *tool_pose;
-        pose.translation.vector += tool_pose.rotation * self.reference_point;
+    /// Returns the pose of the tool in the base frame, or of the body in the frame from which it is seen, m.
+    pub fn body_pose(&self, configuration: &Configuration) -> IsometryMatrix3<f64> {
+        self.body.map_or(*configuration.tool_pose(), |body| body.pose(configuration))
+    }
+
+    /// Returns the pose at the reference point, parallel to the frame of tool or body, for the pose of that frame, m.
+    pub fn pose(&self, body_pose: &IsometryMatrix3<f64>) -> IsometryMatrix3<f64> {
+        let mut pose = *body_pose;
+        pose.translation.vector += body_pose.rotation * self.reference_point;
         pose
     }
 }
@@ -56,6 +64,7 @@ impl TaskFrame {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedFrame<'a> {
     configuration: &'a Configuration,
+    body: Option<&'a TaskBody>,
     /// Rotation from the frame's axes to the base axes; `None` for the base axes.
     axes: Option<Rotation3<f64>>,
     /// Vector from the tool point to the reference point, base axes, m; `None` at the tool point.
@@ -66,6 +75,14 @@ impl PlacedFrame<'_> {
     /// Returns J at the frame's point along its axes, 6 × n.
     pub fn jacobian(&self) -> Cow<'_, Jacobian> {
         let at_tool_point = self.configuration.jacobian();
+        if let Some(body) = self.body {
+            let mut jacobian = Jacobian::zeros(at_tool_point.ncols());
+            for (joint, column) in body.columns(self.configuration) {
+                let column = self.twist(&column);
+                jacobian.column_mut(joint).iter_mut().zip(column).for_each(|(entry, add)| *entry += add);
+            }
+            return Cow::Owned(jacobian);
+        }
         if self.is_at_tool_along_base() {
             return Cow::Borrowed(at_tool_point);
         }
@@ -79,6 +96,15 @@ impl PlacedFrame<'_> {
 
     /// Overwrites `rows`, m × n, with the selected rows of J.
     pub fn write_rows(&self, axes: &AxisSelection, rows: &mut DMatrix<f64>) {
+        if let Some(body) = self.body {
+            rows.fill(0.0);
+            for (joint, column) in body.columns(self.configuration) {
+                let twist = self.twist(&column);
+                let entries = rows.column_mut(joint);
+                entries.into_iter().zip(axes.axes()).for_each(|(entry, axis)| *entry += twist[axis.index()]);
+            }
+            return;
+        }
         let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
         for (entries, column) in rows.as_mut_slice().chunks_exact_mut(axes.len()).zip(columns) {
             let converted;
@@ -95,6 +121,11 @@ impl PlacedFrame<'_> {
     /// Returns whether nothing has to be converted.
     fn is_at_tool_along_base(&self) -> bool {
         self.axes.is_none() && self.lever.is_none()
+    }
+
+    /// Returns the twist of the body in this frame for joint velocities q̇ (n), m/s and rad/s; `None`: the frame is that of the tool.
+    pub fn body_twist(&self, joint_velocity: &[f64]) -> Option<[f64; 6]> {
+        self.body.map(|body| self.twist(&body.twist(self.configuration, joint_velocity)))
     }
 
     /// Converts a twist (m/s, rad/s) from base axes at the tool point to this frame: v + ω × r, ω.
@@ -147,7 +178,7 @@ mod tests {
         let mut frames = Vec::new();
         for frame in [Frame::Base, Frame::Tool, Frame::Fixed(fixed)] {
             for reference_point in [Vector3::zeros(), Vector3::new(0.05, -0.1, 0.3)] {
-                frames.push(TaskFrame { frame, reference_point });
+                frames.push(TaskFrame { frame, reference_point, ..TaskFrame::default() });
             }
         }
         frames
@@ -182,7 +213,7 @@ mod tests {
         let point = Vector3::new(0.05, -0.1, 0.3);
         let longer = built_in()[0].with_tool_offset(&IsometryMatrix3::new(point, Vector3::zeros())).unwrap();
         let longer = Configuration::new(&longer, &POSTURE).unwrap();
-        let frame = TaskFrame { frame: Frame::Base, reference_point: point };
+        let frame = TaskFrame { reference_point: point, ..TaskFrame::default() };
         assert!((frame.at(&configuration()).jacobian().as_ref() - longer.jacobian()).amax() < 1e-14);
         assert!(
             (frame.pose(configuration().tool_pose()).to_homogeneous() - longer.tool_pose().to_homogeneous()).amax()

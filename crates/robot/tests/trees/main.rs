@@ -4,3 +4,4 @@ mod allocations;
 mod any_tree;
 mod kinematics;
 mod refusals;
+mod task_body;

@@ -101,7 +101,12 @@ impl ControllerConfig {
         let follows = self.tasks.iter().any(|task| matches!(task.law, Law::Position(_)));
         let half_way = self.constraints.iter().any(Constraint::depends_on_posture);
         let acts_at_rest = follows || self.null_space.is_some() || half_way;
-        let needs = Needs { rest: time_to_rest > 0.0 && acts_at_rest, half_way, acceleration: self.keeps_jerk() };
+        let needs = Needs {
+            rest: time_to_rest > 0.0 && acts_at_rest,
+            initial: self.tasks.iter().any(|task| task.rows.has_body()),
+            half_way,
+            acceleration: self.keeps_jerk(),
+        };
         ArmState::new(&self.robot, self.joint_capability(), needs, time_to_rest)
     }
 

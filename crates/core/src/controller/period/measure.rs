@@ -66,6 +66,10 @@ pub(super) fn measure<'a, 'm>(
     let wrench = on_environment(&measurement.wrench, (config.wrench_convention, config.wrench_frame), configuration);
     let initial_pose = known.as_ref().map_or(*configuration.tool_pose(), |known| known.initial_pose);
     (arm.time_s, arm.wrench, arm.initial_pose) = (measurement.time_s, wrench, initial_pose);
+    match known.as_ref().and_then(|known| known.initial_position.as_ref()) {
+        Some(initial) => arm.start_at(initial.as_slice())?,
+        None => arm.start_at(&measurement.joint_position)?,
+    }
     let known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
     arm.profiles_start_s = known.start_time_s;
     recall(config, &known, arm)?;

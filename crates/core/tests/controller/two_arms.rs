@@ -1,0 +1,206 @@
+//! Two Pandas on one base: tasks of both hands, and of one hand seen from the other.
+
+use std::sync::Arc;
+
+use nalgebra::{IsometryMatrix3, Vector3};
+use revprio_core::controller::{
+    ConfigError, Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskConfigError,
+};
+use revprio_core::law::{Law, MotionPath, PositionLaw, Profile};
+use revprio_core::limits::Drive;
+use revprio_core::rows::{RowsError, TargetPose, TaskRows, ToolRows};
+use revprio_core::streaming::Streaming;
+use revprio_robot::kinematics::{
+    Axis, AxisSelection, BodyFrame, Configuration, TaskBody, TaskFrame, orientation_error,
+};
+use revprio_robot::{RobotModel, UrdfTip, UrdfTreeOptions};
+
+use super::arms::{force, impedance, joint_rows, position};
+use super::drives::LaggingArm;
+
+/// T, s.
+const PERIOD: f64 = 4e-3;
+
+const DRIVE: Drive = Drive { lag_s: 0.02, delay_periods: 2 };
+
+const HOME: [f64; 14] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785, 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+
+/// Returns two Pandas, 0.6 m apart, that look in the same direction. Their hands are the tips.
+fn two_pandas() -> Arc<RobotModel> {
+    let one = include_str!("../../../robot/robots/panda.urdf");
+    let links = one.split("<robot").nth(1).and_then(|text| text.split_once('>')).unwrap().1.replace("</robot>", "");
+    let of = |side: &str| links.replace("panda_", &format!("{side}_"));
+    let mount = |side: &str, y: f64| {
+        format!(
+            r#"<joint name="{side}_mount" type="fixed"><parent link="table"/><child link="{side}_link0"/><origin xyz="0 {y} 0"/></joint>"#
+        )
+    };
+    let text = format!(
+        r#"<robot name="two_pandas"><link name="table"/>{}{}{}{}</robot>"#,
+        mount("left", 0.3),
+        mount("right", -0.3),
+        of("left"),
+        of("right")
+    );
+    let hand = |name: &'static str, link: &'static str| UrdfTip {
+        name,
+        link,
+        offset: IsometryMatrix3::translation(0.0, 0.0, 0.1),
+    };
+    let tips = [hand("left", "left_link8"), hand("right", "right_link8")];
+    Arc::new(RobotModel::from_urdf_tree(&text, &UrdfTreeOptions { tips: &tips, ..UrdfTreeOptions::default() }).unwrap())
+}
+
+fn hand(robot: &RobotModel, name: &str) -> BodyFrame {
+    BodyFrame::from(robot.tip(name).unwrap())
+}
+
+/// Returns a task of all axes of a hand with a position law of gain 8/s.
+fn task(name: &str, body: TaskBody, law: Law) -> TaskConfig {
+    let frame = TaskFrame { body: Some(body), ..TaskFrame::default() };
+    let rows = ToolRows { frame, ..ToolRows::new(AxisSelection::new(&Axis::ALL).unwrap()) };
+    TaskConfig {
+        name: name.to_owned(),
+        rows: TaskRows::Tool(rows),
+        law,
+        scaled: false,
+        streaming: Streaming::default(),
+    }
+}
+
+/// The left hand moves on a circle; the right one, seen from it, stands still; then the posture.
+fn carrying(robot: &Arc<RobotModel>, path: Option<MotionPath>) -> ControllerConfig {
+    let (left, right) = (hand(robot, "left"), hand(robot, "right"));
+    let law = |rows: usize| {
+        let law = PositionLaw::new(vec![8.0; rows]).unwrap();
+        Law::Position(path.map_or(law.clone(), |path| law.along(path)))
+    };
+    let hold = task("hold", TaskBody { body: right, relative_to: Some(left) }, law(6));
+    let mut lead = task("lead", TaskBody { body: left, relative_to: None }, law(6));
+    let TaskRows::Tool(rows) = &mut lead.rows else { unreachable!() };
+    let sine = |amplitude: f64| Profile::sine(vec![0.0; 6], vec![0.0, amplitude, amplitude, 0.2, 0.0, 0.0], 2.0, 0.0);
+    rows.target_displacement = Some(sine(0.1).unwrap());
+    let posture = TaskConfig {
+        name: "posture".to_owned(),
+        rows: joint_rows(&HOME),
+        law: law(14),
+        scaled: false,
+        streaming: Streaming::default(),
+    };
+    let tasks = vec![hold, lead, posture];
+    ControllerConfig { drive: DRIVE, ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks) }
+}
+
+/// Returns the pose of the right hand seen from the left one.
+fn relative(robot: &RobotModel, q: &[f64]) -> IsometryMatrix3<f64> {
+    let at = Configuration::new(robot, q).unwrap();
+    at.tip_pose(&robot.tips()[0]).inv_mul(&at.tip_pose(&robot.tips()[1]))
+}
+
+/// Two hands carry a part along a path behind a drive with lag and dead time: their relative pose stays within 10⁻⁴ m and rad. Joints that
+/// follow a virtual arm each in their own way do not keep it while they catch up with the path.
+#[test]
+fn two_hands_carry_a_part_along_a_path() {
+    let robot = two_pandas();
+    assert_eq!(robot.joint_count(), 14);
+    let start = relative(&robot, &HOME);
+    let tool = |q: &[f64]| Configuration::new(&robot, q).unwrap().tool_pose().translation.vector;
+    for (path, allowed) in [(None, 1e-4), (Some(MotionPath::Joint), 0.03)] {
+        let mut stepper = Stepper::new(Controller::new(carrying(&robot, path)).unwrap()).unwrap();
+        let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 0.0, 1);
+        let (mut memory, mut largest, mut moved) = (None, 0.0_f64, 0.0_f64);
+        for i in 0..2000 {
+            let measured = arm.measure(f64::from(i) * PERIOD);
+            let command = stepper.step(&mut memory, &measured).unwrap().clone();
+            arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+            let seen = relative(&robot, &arm.q);
+            let error = (seen.translation.vector - start.translation.vector).norm();
+            largest = largest.max(error).max(orientation_error(&seen.rotation, &start.rotation).norm());
+            moved = moved.max((tool(&arm.q) - tool(&HOME)).norm());
+        }
+        assert!(moved > 0.12, "{path:?}: the hands moved by {moved} m");
+        assert!(largest < allowed, "{path:?}: {largest}");
+    }
+}
+
+/// The pose at the first step is the target, also for a stepper that starts in the middle, with the memory alone.
+#[test]
+fn a_new_stepper_in_each_period_holds_the_first_pose() {
+    let robot = two_pandas();
+    let controller = Controller::new(carrying(&robot, None)).unwrap();
+    let mut stepper = Stepper::new(controller.clone()).unwrap();
+    let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 1e-4, 1);
+    let (mut memory, mut other) = (None, None);
+    for i in 0..100 {
+        let measured = arm.measure(f64::from(i) * PERIOD);
+        let command = stepper.step(&mut memory, &measured).unwrap().clone();
+        let again = Stepper::new(controller.clone()).unwrap().step(&mut other, &measured).unwrap().clone();
+        assert_eq!((&command, &memory), (&again, &other), "period {i}");
+        arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+    }
+}
+
+/// A target pose of a hand seen from the other one is reached, wherever the pair moves.
+#[test]
+fn a_relative_target_pose_is_reached() {
+    let robot = two_pandas();
+    let mut config = carrying(&robot, None);
+    let mut target = relative(&robot, &HOME);
+    target.translation.vector += Vector3::new(0.05, 0.1, -0.05);
+    let TaskRows::Tool(rows) = &mut config.tasks[0].rows else { unreachable!() };
+    rows.target_pose = TargetPose::Fixed(target);
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 0.0, 1);
+    let mut memory = None;
+    for i in 0..1500 {
+        let measured = arm.measure(f64::from(i) * PERIOD);
+        let command = stepper.step(&mut memory, &measured).unwrap();
+        arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+    }
+    let left = (relative(&robot, &arm.q).translation.vector - target.translation.vector).norm();
+    assert!(left < 1e-4, "{left}");
+}
+
+/// The tasks of one arm need no joint of the other.
+#[test]
+fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
+    let robot = two_pandas();
+    let body = TaskBody { body: hand(&robot, "right"), relative_to: None };
+    let mut reach = task("reach", body, position(6, 8.0));
+    let TaskRows::Tool(rows) = &mut reach.rows else { unreachable!() };
+    rows.target_displacement = Some(Profile::constant(vec![0.1, 0.05, 0.0, 0.0, 0.0, 0.0]).unwrap());
+    let config =
+        ControllerConfig { null_space: None, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![reach]) };
+    let controller = Controller::new(config).unwrap();
+    let at_rest = Measurement {
+        time_s: 0.0,
+        joint_position: HOME.to_vec(),
+        joint_velocity: None,
+        wrench: [0.0; 6],
+        targets: Vec::new(),
+    };
+    let mut memory = None;
+    let command = Stepper::new(controller).unwrap().step(&mut memory, &at_rest).unwrap().clone();
+    let velocity = command.resolution.joint_velocity.as_slice();
+    assert!(velocity[..7].iter().all(|entry| entry.abs() < 1e-12), "{velocity:?}");
+    assert!(velocity[7..].iter().any(|entry| entry.abs() > 1e-3), "{velocity:?}");
+}
+
+/// The wrench is that of the tool: no law of another body can read it. A link of another robot is refused too.
+#[test]
+fn laws_that_read_the_wrench_are_refused_on_other_links() {
+    let robot = two_pandas();
+    let body = TaskBody { body: hand(&robot, "right"), relative_to: None };
+    let refused = |body: TaskBody, law: Law| {
+        let tasks = vec![task("hand", body, law)];
+        Controller::new(ControllerConfig::new(Arc::clone(&robot), PERIOD, tasks)).err()
+    };
+    let misfit = |source| Some(ConfigError::Task { task: 0, source: TaskConfigError::Rows(source) });
+    assert_eq!(refused(body, force(&Axis::ALL, &[0.0; 6])), misfit(RowsError::LinkLaw));
+    assert_eq!(refused(body, impedance(&Axis::ALL, 100.0)), misfit(RowsError::LinkLaw));
+    assert_eq!(refused(body, position(6, 2.0)), None);
+    let one_arm = revprio_robot::built_in().iter().find(|robot| robot.name() == "panda").unwrap();
+    let tasks = vec![task("hand", body, position(6, 2.0))];
+    let unknown = Controller::new(ControllerConfig::new(Arc::clone(one_arm), PERIOD, tasks)).err();
+    assert_eq!(unknown, misfit(RowsError::Link));
+}
