@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use revprio_api::wire::{Pose, RobotRegistration, StatedLimits};
+use revprio_api::wire::{Pose, RegisteredTip, RobotRegistration, StatedLimits};
 use revprio_api::{Client, ClientError};
-use revprio_robot::{RobotFileError, RobotModel, UrdfOptions, from_file};
+use revprio_robot::{Overrides, RobotFileError, RobotModel, UrdfOptions, UrdfTreeOptions, from_file, tree_from_file};
 use serde::{Deserialize, Serialize};
 
-use crate::service::{overrides, robot_answer};
+use crate::service::{overrides, registered_tips, robot_answer};
 
 /// A robot file with options.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,6 +30,7 @@ pub struct RobotArgument {
 struct OverridesFile {
     base: Option<String>,
     tip: Option<String>,
+    tips: Option<Vec<RegisteredTip>>,
     limits: Option<BTreeMap<String, StatedLimits>>,
     joint_names: Option<BTreeMap<String, String>>,
     tool_offset: Option<Pose>,
@@ -73,7 +74,7 @@ impl RobotArgument {
 
     pub const HELP: &str = "Your own robot, as URDF (.urdf) or Denavit-Hartenberg rows (.toml, .json). For URDF, `tip` is the link \
          of the tool frame and `base` the link of the base frame, if the file has several candidates; `overrides` is a JSON file \
-         with any of `base`, `tip`, `limits`, `joint_names` and `tool_offset` of POST /v1/robots";
+         with any of `base`, `tip`, `tips`, `limits`, `joint_names` and `tool_offset` of POST /v1/robots";
 
     /// Returns the robots of a directory in the order of their names. Each file is a robot with the name of the file,
     /// without the extension. Subdirectories and hidden files are not read.
@@ -98,6 +99,9 @@ impl RobotArgument {
     pub fn read(&self) -> Result<Arc<RobotModel>, RobotArgumentError> {
         let registration = self.registration(String::new(), String::new())?;
         let overrides = overrides(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        if let Some(tips) = &registration.tips {
+            return self.read_tree(tips, &registration, &overrides);
+        }
         let options = UrdfOptions {
             name: self.name.as_deref(),
             description: None,
@@ -108,6 +112,24 @@ impl RobotArgument {
         Ok(from_file(&self.path, &options).map(Arc::new)?)
     }
 
+    /// Reads a robot with these tips: all that is below the base.
+    fn read_tree(
+        &self,
+        tips: &[RegisteredTip],
+        registration: &RobotRegistration,
+        overrides: &Overrides,
+    ) -> Result<Arc<RobotModel>, RobotArgumentError> {
+        let tips: Vec<_> = registered_tips(tips).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        let options = UrdfTreeOptions {
+            name: self.name.as_deref(),
+            description: None,
+            base: registration.base.as_deref(),
+            tips: &tips,
+            overrides: Some(overrides),
+        };
+        Ok(tree_from_file(&self.path, &options).map(Arc::new)?)
+    }
+
     /// Returns the registration of the robot; base and tip of the argument have priority over those of its overrides file.
     fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, RobotArgumentError> {
         let file = self.overrides_file()?;
@@ -116,7 +138,7 @@ impl RobotArgument {
             urdf,
             base: self.base.clone().or(file.base),
             tip: self.tip.clone().or(file.tip),
-            tips: None,
+            tips: if self.tip.is_some() { None } else { file.tips },
             limits: file.limits,
             joint_names: file.joint_names,
             tool_offset: file.tool_offset,

@@ -29,6 +29,7 @@ mod states;
 mod stream;
 mod streaming;
 mod tasks;
+mod two_arms;
 mod units;
 mod warnings;
 mod watch;

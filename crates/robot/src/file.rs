@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
-use super::{DescriptionError, RobotModel, UrdfError, UrdfOptions, from_json, from_toml};
+use super::{DescriptionError, RobotModel, UrdfError, UrdfOptions, UrdfTreeOptions, from_json, from_toml};
 
 /// Why a robot file is refused.
 #[derive(Debug, thiserror::Error)]
@@ -62,6 +62,16 @@ pub fn from_file(path: &Path, options: &UrdfOptions) -> Result<RobotModel, Robot
         Some(name) => robot.renamed(name),
         None => robot,
     })
+}
+
+/// Reads the whole tree of a URDF file, `.urdf`.
+pub fn tree_from_file(path: &Path, options: &UrdfTreeOptions) -> Result<RobotModel, RobotFileError> {
+    if path.extension().is_none_or(|extension| extension != "urdf") {
+        return Err(RobotFileError::BaseOrTip(path.to_owned()));
+    }
+    let text =
+        std::fs::read_to_string(path).map_err(|source| RobotFileError::Read { path: path.to_owned(), source })?;
+    RobotModel::from_urdf_tree(&text, options).map_err(|source| RobotFileError::Urdf { path: path.to_owned(), source })
 }
 
 /// Whether the options say more than a name.

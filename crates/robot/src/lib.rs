@@ -58,7 +58,7 @@ mod urdf;
 
 pub use denavit_hartenberg::DenavitHartenberg;
 pub use description::{DescriptionError, from_json, from_toml};
-pub use file::{RobotFileError, built_in, from_file};
+pub use file::{RobotFileError, built_in, from_file, tree_from_file};
 pub use joint::{Joint, JointLimits};
 pub use joint_kind::JointKind;
 pub use link::{Link, LinkId, Tip};

@@ -23,8 +23,7 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let robot = match &request.tips {
         Some(tips) => {
             check(request.tip.is_none(), "/tip", "give either `tip` or `tips`")?;
-            let tips: Vec<_> = each("/tips", tips, |_, tip| registered_tip(tip))?;
-            check((1..=MAX_TIPS).contains(&tips.len()), "/tips", format_args!("give 1 to {MAX_TIPS} tips"))?;
+            let tips = registered_tips(tips)?;
             let options = UrdfTreeOptions { name, description: None, base, tips: &tips, overrides: Some(&overrides) };
             RobotModel::from_urdf_tree(&request.urdf, &options)
         }
@@ -38,6 +37,12 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
     check(joints <= MAX_JOINTS, "/urdf", detail).map(|()| robot)
+}
+
+/// Reads the tips of a registration.
+pub fn registered_tips(tips: &[wire::RegisteredTip]) -> Result<Vec<UrdfTip<'_>>> {
+    check((1..=MAX_TIPS).contains(&tips.len()), "/tips", format_args!("give 1 to {MAX_TIPS} tips"))?;
+    each("/tips", tips, |_, tip| registered_tip(tip))
 }
 
 fn registered_tip(tip: &wire::RegisteredTip) -> Result<UrdfTip<'_>> {

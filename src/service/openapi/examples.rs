@@ -28,13 +28,14 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 34] = examples! {
+const EXAMPLES: [Example; 37] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
     post "/v1/resolve" "resolve_bounds" => "resolve_bounds";
     post "/v1/resolve" "resolve_closed_form" => "resolve_closed_form";
     post "/v1/resolve" "resolve_certificate" => "resolve_certificate";
+    post "/v1/resolve" "resolve_link" => "resolve_link";
     post "/v1/resolve/batch" "batch" => "batch";
     post "/v1/step" "step" => "step";
     post "/v1/step" "step_inequality" => "step_inequality";
@@ -49,10 +50,12 @@ const EXAMPLES: [Example; 34] = examples! {
     put "/v1/controllers/{id}" "controller_replaced" => "controller_replaced";
     post "/v1/controllers/{id}/step" "state" => "state";
     post "/v1/kinematics" "kinematics" => "kinematics";
+    post "/v1/kinematics" "kinematics_link" => "kinematics_link";
     post "/v1/stability" "stability" => "stability";
     post "/v1/stability" "stability_impedance" => "stability_impedance";
     get "/v1/robots" => "robots";
     post "/v1/robots" "robot" => "robot";
+    post "/v1/robots" "robot_two_arms" => "robot_two_arms";
     get "/v1/robots/{name}" => "robot_shown";
     get "/v1/scenarios" => "scenarios";
     get "/v1/scenarios/{name}" => "scenario";

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE,
-    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_VALID_FOR_MS,
-    MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
+    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS,
+    MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -154,7 +154,7 @@ fn request_ranges() -> Vec<FieldRange> {
             outages: Items(0, 100),
         }
         Outage { start_s: Positive, duration_s: NotNegative }
-        wire::RobotRegistration { name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
+        wire::RobotRegistration { tips: Items(1, MAX_TIPS), name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
         wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive, jerk: Positive }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {

@@ -145,10 +145,12 @@ pub struct ControllerTask {
     /// Tip or link that the axes belong to, by its name, in place of the tool. Set it for a second arm, an elbow or a camera; only with
     /// `axes`; default: the first tip, which is the tool.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = "right")]
     pub link: Option<String>,
     /// Tip or link from which the motion is seen, by its name, in place of the base: poses, velocities and the frame `base` are then those of
     /// its frame. Set it for two hands that hold one part; only with `axes`; default: the base.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = "left")]
     pub relative_to: Option<String>,
     /// Constant task Jacobian J_k, m × n, row by row, in joint order. Set it for rows that no axis gives, such as a sum
     /// of joints; instead of `axes`, with the law `velocity` or bounds.
