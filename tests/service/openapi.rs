@@ -236,11 +236,13 @@ fn the_examples_of_the_document_get_their_committed_answers() {
         "resolve_closed_form",
         "resolve_everything",
         "resolve_limits",
+        "resolve_link",
     ] {
         call("/v1/resolve", name);
     }
     call("/v1/resolve/batch", "batch");
     call("/v1/kinematics", "kinematics");
+    call("/v1/kinematics", "kinematics_link");
     call("/v1/stability", "stability");
     call("/v1/stability", "stability_impedance");
     call("/v1/step", "step");
@@ -265,6 +267,7 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     shown("/v1/robots", "robots");
     shown("/v1/robots/sawyer_dh", "robot_shown");
     call("/v1/robots", "robot");
+    call("/v1/robots", "robot_two_arms");
     shown("/v1/scenarios", "scenarios");
     shown("/v1/scenarios/stiff_wall", "scenario");
     shown(&format!("/v1/controllers/{session}"), "session");

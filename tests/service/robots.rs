@@ -128,7 +128,8 @@ fn base_and_tip_select_the_chain() {
     let full = service.post("/v1/robots", &registration("full", CRANK).to_string()).accepted();
     let chain = json!({"base": "base", "tip": "arm", "reason": "request", "joints": ["crank"], "left_out": []});
     assert_eq!((&short["chain"], &full["chain"]["reason"]), (&chain, &json!("only_end")));
-    let same = ["name", "description", "chain"];
+    assert_eq!((&short["tips"][0]["link"], &full["tips"][0]["link"]), (&json!("arm"), &json!("tool")));
+    let same = ["name", "description", "chain", "tips", "links"];
     assert_eq!(without(short, &same), without(full, &same));
     let reached = service.call("/v1/resolve", &pull("short"))["tasks"][0]["achieved"][0].as_f64().unwrap();
     assert_eq!(reached, 0.0, "the tool is not on the axis");

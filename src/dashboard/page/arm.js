@@ -16,14 +16,25 @@ import { add, dot, mix, norm, scale, sub, unit } from './geometry.js';
 const PIECE_LENGTH = 0.09;
 
 /**
- * Returns rods for the links, cylinders for the joints, and a tapered rod for the tool.
+ * Returns the bodies of each chain of an arm.
  * @param {ArmView} arm
  * @param {boolean[]} atLimit per joint
  * @returns {Body[]}
  */
 export function bodies(arm, atLimit) {
-  const joints = arm.joints.map(({ origin, axis }) => ({ origin: vec(origin), axis: vec(axis) }));
-  const tool = vec(arm.tool.position);
+  const chains = arm.chains ?? [{ joints: arm.joints.map((_, i) => i), tip: arm.tool.position }];
+  return chains.filter(({ joints }) => joints.length > 0).flatMap(({ joints, tip }) => chainBodies(joints.map((i) => arm.joints[i]), vec(tip), joints.map((i) => atLimit[i])));
+}
+
+/**
+ * Returns rods for the links, cylinders for the joints, and a tapered rod for the tool.
+ * @param {ArmView['joints']} views
+ * @param {Vec3} tool
+ * @param {boolean[]} atLimit per joint
+ * @returns {Body[]}
+ */
+function chainBodies(views, tool, atLimit) {
+  const joints = views.map(({ origin, axis }) => ({ origin: vec(origin), axis: vec(axis) }));
   const points = [...joints.map(({ origin }) => origin), tool];
   const length = points.reduce((sum, point, i) => sum + norm(sub(point, i > 0 ? points[i - 1] : [0, 0, 0])), 0);
   const radius = (/** @type {number} */ i) => length * 0.036 * (1 - (0.55 * i) / joints.length);

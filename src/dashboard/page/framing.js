@@ -117,7 +117,7 @@ export class Framing {
 
 /** @type {(world: World) => Vec3[]} */
 function shownPoints({ arm, goal, contacts, ghost }) {
-  const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position] : []));
+  const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position, ...(shown.chains ?? []).map(({ tip }) => tip)] : []));
   const points = arms.map(vec);
   if (goal) points.push(vec(goal.pose.position));
   const tool = vec(arm?.tool.position ?? [0, 0, 0]);

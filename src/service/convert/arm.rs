@@ -4,6 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::limits::JointMotion;
 use revprio_robot::kinematics::{Configuration, link_frames};
+use revprio_robot::{RobotModel, Tip};
 
 use super::pose::pose_answer;
 
@@ -23,7 +24,7 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
         last_acceleration: &[],
     };
     let allowed = config.limits.at(robot, motion, config.period_s).velocity_box;
-    let tool = *Configuration::new(robot, position).ok()?.tool_pose();
+    let configuration = Configuration::new(robot, position).ok()?;
     let joint = |(i, frame): (usize, &nalgebra::IsometryMatrix3<f64>)| {
         let (origin, axis) = (frame.translation.vector, frame.rotation * nalgebra::Vector3::z());
         wire::JointView {
@@ -33,7 +34,25 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
             upper: finite(allowed.upper()[i]),
         }
     };
-    Some(wire::ArmView { joints: frames.iter().enumerate().map(joint).collect(), tool: pose_answer(&tool) })
+    Some(wire::ArmView {
+        joints: frames.iter().enumerate().map(joint).collect(),
+        tool: pose_answer(configuration.tool_pose()),
+        chains: chains(robot, &configuration),
+    })
+}
+
+/// Returns the chain to each tip; none for a robot with one tip.
+fn chains(robot: &RobotModel, configuration: &Configuration) -> Vec<wire::ChainView> {
+    let moving = robot.moving_joints();
+    let chain = |tip: &Tip| {
+        let up = std::iter::successors(robot.links()[tip.link.index()].joint, |&joint| moving[joint].parent);
+        let own = up.map(|joint| &moving[joint]).filter(|joint| !joint.is_mimic);
+        let mut joints: Vec<usize> = own.map(|joint| joint.coordinate).collect();
+        joints.reverse();
+        let position = configuration.tip_pose(tip).translation.vector;
+        wire::ChainView { joints, tip: [position.x, position.y, position.z].map(single) }
+    };
+    if robot.tips().len() > 1 { robot.tips().iter().map(chain).collect() } else { Vec::new() }
 }
 
 /// Rounds to single precision, for display.

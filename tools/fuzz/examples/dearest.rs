@@ -4,6 +4,8 @@
 //! cargo run --release -p revprio-fuzz --example dearest -- --seconds 60 --solver auto
 //! ```
 //!
+//! `--bodies FILE` writes their bodies, one per line.
+//!
 //! It begins with random problems, then changes the dearest of them again and again, and prints a table of the dearest that the
 //! serving thread solves itself; without `--solver`, all solvers. Times are those of this machine, the least of three runs.
 
@@ -170,6 +172,12 @@ fn main() {
     }
     println!("{count} problems; the dearest on the serving thread:");
     println!("{:>9} {:>8} {:>8} {:>9} {:>11}  shape", "µs", "bytes", "price", "µs/price", "µs/kB");
+    if let Some(file) = value("--bodies") {
+        let lines: String = best.iter().map(|found| format!("{}\n", found.shape.body())).collect();
+        if let Err(error) = std::fs::write(file, lines) {
+            eprintln!("{file}: {error}");
+        }
+    }
     for Found { shape, us, bytes, price } in best {
         let (per_price, per_kb) = (us / price as f64, us * 1e3 / bytes as f64);
         println!("{us:9.0} {bytes:8} {price:8} {per_price:9.3} {per_kb:11.1}  {shape:?}");

@@ -39,6 +39,7 @@ __all__ = [
     "CertificatePart",
     "CertifiedLevel",
     "CertifiedProblem",
+    "ChainView",
     "ConstantProfile",
     "Contact",
     "ContactKind",
@@ -107,6 +108,7 @@ __all__ = [
     "Progress",
     "REMEDIES",
     "RampProfile",
+    "RegisteredTip",
     "ResolveAnswer",
     "ResolveRequest",
     "ResolveTask",
@@ -118,6 +120,7 @@ __all__ = [
     "RobotList",
     "RobotRegistration",
     "RobotSource",
+    "RobotTip",
     "RowName",
     "Scenario",
     "ScenarioEntry",
@@ -162,6 +165,7 @@ __all__ = [
     "TaskGain",
     "TaskOutcome",
     "TimeHistogram",
+    "TipPose",
     "TipReason",
     "VelocityLaw",
     "VelocityLoop",
@@ -326,6 +330,21 @@ class Pose(Body):
     """Position x, y, z, m. Shape: 3."""
 
 
+class ChainView(Answer):
+    """The chain of joints from the base to a tip.
+
+    Fields:
+
+    - joints: Its joints, base first: places in `joints`, from 0.
+    - tip: Position of the tip in the base frame, m.
+    """
+
+    joints: list[int]
+    """Its joints, base first: places in `joints`, from 0."""
+    tip: FloatArray
+    """Position of the tip in the base frame, m."""
+
+
 class ArmView(Answer):
     """An arm at a posture, for drawing.
 
@@ -333,12 +352,15 @@ class ArmView(Answer):
 
     - joints: The joints, base first.
     - tool: Tool pose in the base frame, m.
+    - chains: The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain.
     """
 
     joints: list[JointView]
     """The joints, base first."""
     tool: Pose
     """Tool pose in the base frame, m."""
+    chains: list[ChainView] = Field(default_factory=list)
+    """The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain."""
 
 
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]
@@ -784,11 +806,16 @@ class ResolveTask(Body):
       surface; default `base`.
     - jacobian: Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile
       base; instead of `axes`.
+    - link: Tip or link that the axes belong to, by its name, in place of the tool. Set it for a second arm, an
+      elbow or a camera; only with `axes`; default: the first tip, which is the tool.
     - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of
       `velocity` if the task only limits a motion; `null`: no bound; default: none.
     - name: Name, by which the answer names the task; default `task 1`, `task 2`, …
     - reference_point: Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another
       point than the others; default: the tool point. Shape: 3.
+    - relative_to: Tip or link from which the motion is seen, by its name, in place of the base: poses, velocities
+      and the frame `base` are then those of its frame. Set it for two hands that hold one part; only with `axes`;
+      default: the base.
     - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for
       paths that must keep their shape; only with `velocity`; default `false`.
     - upper: Upper bounds of the task velocity J_k q̇, as `lower`.
@@ -804,6 +831,9 @@ class ResolveTask(Body):
     jacobian: Matrix | None = None
     """Task Jacobian J_k, m × n, row by row. Set it for rows that you compute, such as those of a mobile base; instead
     of `axes`."""
+    link: str | None = None
+    """Tip or link that the axes belong to, by its name, in place of the tool. Set it for a second arm, an elbow or a
+    camera; only with `axes`; default: the first tip, which is the tool."""
     lower: LowerBounds | None = None
     """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `velocity` if
     the task only limits a motion; `null`: no bound; default: none."""
@@ -812,6 +842,9 @@ class ResolveTask(Body):
     reference_point: Vector | None = None
     """Reference point of the rows: x, y, z in the tool frame, m. Set it if this task moves another point than the
     others; default: the tool point. Shape: 3."""
+    relative_to: str | None = None
+    """Tip or link from which the motion is seen, by its name, in place of the base: poses, velocities and the frame
+    `base` are then those of its frame. Set it for two hands that hold one part; only with `axes`; default: the base."""
     scale: bool | None = None
     """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
     must keep their shape; only with `velocity`; default `false`."""
@@ -1540,10 +1573,15 @@ class ControllerTask(Body):
       such as a sum of joints; instead of `axes`, with the law `velocity` or bounds.
     - law: Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of
       `lower` and `upper`.
+    - link: Tip or link that the axes belong to, by its name, in place of the tool. Set it for a second arm, an
+      elbow or a camera; only with `axes`; default: the first tip, which is the tool.
     - lower: Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law`
       if the task only limits a motion; `null`: no bound; default: none.
     - reference_point: Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task
       moves another point than the others; default: the tool point. Shape: 3.
+    - relative_to: Tip or link from which the motion is seen, by its name, in place of the base: poses, velocities
+      and the frame `base` are then those of its frame. Set it for two hands that hold one part; only with `axes`;
+      default: the base.
     - scale: Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for
       paths that must keep their shape; only with `law`; default `false`.
     - streaming: How the task follows the `targets` of the states. Set it for a source of targets that is slower
@@ -1565,12 +1603,18 @@ class ControllerTask(Body):
     law: Law | None = None
     """Law that computes the velocity of the task: motion to a target, or contact with a force. Instead of `lower` and
     `upper`."""
+    link: str | None = None
+    """Tip or link that the axes belong to, by its name, in place of the tool. Set it for a second arm, an elbow or a
+    camera; only with `axes`; default: the first tip, which is the tool."""
     lower: LowerBounds | None = None
     """Lower bounds of the task velocity J_k q̇, one entry per row, m/s and rad/s. Set bounds instead of `law` if the
     task only limits a motion; `null`: no bound; default: none."""
     reference_point: Vector | None = None
     """Reference point of rows, pose and wrench: x, y, z in the tool frame, m. Set it if this task moves another point
     than the others; default: the tool point. Shape: 3."""
+    relative_to: str | None = None
+    """Tip or link from which the motion is seen, by its name, in place of the base: poses, velocities and the frame
+    `base` are then those of its frame. Set it for two hands that hold one part; only with `axes`; default: the base."""
     scale: bool | None = None
     """Whether limits slow the task down in its direction, J_k q̇ = s ẋ_k with the largest s ≤ 1. Set it for paths that
     must keep their shape; only with `law`; default `false`."""
@@ -1983,12 +2027,33 @@ class LinkFrame(Answer):
 
     - joint: Name of the joint that moves the link.
     - pose: Pose in the base frame, m: origin on the axis of the joint, z along it.
+    - parent: Name of the joint that it hangs on; absent: the base.
     """
 
     joint: str
     """Name of the joint that moves the link."""
     pose: Pose
     """Pose in the base frame, m: origin on the axis of the joint, z along it."""
+    parent: str | None = None
+    """Name of the joint that it hangs on; absent: the base."""
+
+
+class TipPose(Answer):
+    """The pose of a tip.
+
+    Fields:
+
+    - name: Name of the tip.
+    - pose: Pose in the base frame, m.
+    - joint: Name of the joint that carries it; absent: it is fixed to the base.
+    """
+
+    name: str
+    """Name of the tip."""
+    pose: Pose
+    """Pose in the base frame, m."""
+    joint: str | None = None
+    """Name of the joint that carries it; absent: it is fixed to the base."""
 
 
 class KinematicsAnswer(Answer):
@@ -1996,25 +2061,28 @@ class KinematicsAnswer(Answer):
 
     Fields:
 
-    - jacobian: Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at
-      the tool point. Shape: 6.
+    - jacobian: Its Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), at its origin,
+      along the axes of the base or of `relative_to`. Shape: 6.
     - links: Frames of the links, base first: the frame of each joint after its motion.
     - manipulability: Manipulability, the product of the singular values.
-    - pose: Tool pose in the base frame, m.
+    - pose: Pose of the tool in the base frame, m; of `link` and seen from `relative_to`, if they are given.
     - singular_values: Singular values of J, largest first; min(6, n) of them.
+    - tips: Poses of the tips in the base frame, first the tool.
     """
 
     jacobian: FloatArray
-    """Tool Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), base axes, at the tool point.
-    Shape: 6."""
+    """Its Jacobian J, 6 × n, row by row: linear x y z (m/s), then angular x y z (rad/s), at its origin, along the axes
+    of the base or of `relative_to`. Shape: 6."""
     links: list[LinkFrame]
     """Frames of the links, base first: the frame of each joint after its motion."""
     manipulability: float
     """Manipulability, the product of the singular values."""
     pose: Pose
-    """Tool pose in the base frame, m."""
+    """Pose of the tool in the base frame, m; of `link` and seen from `relative_to`, if they are given."""
     singular_values: FloatArray
     """Singular values of J, largest first; min(6, n) of them."""
+    tips: list[TipPose] = Field(default_factory=list)
+    """Poses of the tips in the base frame, first the tool."""
 
 
 class KinematicsRequest(Body):
@@ -2024,12 +2092,19 @@ class KinematicsRequest(Body):
 
     - joint_position: Joint position q, rad or m.
     - robot: Name of the robot, from `GET /v1/robots`.
+    - link: Tip or link whose pose and Jacobian are asked for, by its name; default: the first tip, which is the
+      tool.
+    - relative_to: Tip or link from which they are seen, by its name; default: the base.
     """
 
     joint_position: JointVector
     """Joint position q, rad or m."""
     robot: str
     """Name of the robot, from `GET /v1/robots`."""
+    link: str | None = None
+    """Tip or link whose pose and Jacobian are asked for, by its name; default: the first tip, which is the tool."""
+    relative_to: str | None = None
+    """Tip or link from which they are seen, by its name; default: the base."""
 
 
 class LaterTarget(Body):
@@ -2700,6 +2775,24 @@ Obstacle = Literal["limits", "singularity", "higher_tasks"]
 """What holds a task back."""
 
 
+class RegisteredTip(Body):
+    """A frame on a link that tasks can name, such as a tool.
+
+    Fields:
+
+    - link: Link of the text that carries it.
+    - name: Name for the `link` and `relative_to` of tasks, unique among the tips.
+    - offset: Pose in the frame of the link, m; default: the frame of the link.
+    """
+
+    link: str
+    """Link of the text that carries it."""
+    name: str
+    """Name for the `link` and `relative_to` of tasks, unique among the tips."""
+    offset: Pose | None = None
+    """Pose in the frame of the link, m; default: the frame of the link."""
+
+
 class RobotJoint(Answer):
     """A joint and its limits; a limit is `null` if there is none.
 
@@ -2767,6 +2860,21 @@ class RobotChain(Answer):
     """Link of the tool frame."""
 
 
+class RobotTip(Answer):
+    """A frame on a link.
+
+    Fields:
+
+    - link: Link that carries it.
+    - name: Name.
+    """
+
+    link: str
+    """Link that carries it."""
+    name: str
+    """Name."""
+
+
 class Robot(Answer):
     """A robot arm.
 
@@ -2777,6 +2885,8 @@ class Robot(Answer):
     - name: Name for requests.
     - source: Format that described the robot.
     - chain: The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
+    - links: Names of the links, base first. Tasks can name them too.
+    - tips: Tips, first the tool. Tasks name them as `link` and `relative_to`.
     """
 
     description: str
@@ -2789,6 +2899,10 @@ class Robot(Answer):
     """Format that described the robot."""
     chain: RobotChain | None = None
     """The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows."""
+    links: list[str] = Field(default_factory=list)
+    """Names of the links, base first. Tasks can name them too."""
+    tips: list[RobotTip] = Field(default_factory=list)
+    """Tips, first the tool. Tasks name them as `link` and `relative_to`."""
 
 
 class RobotList(Answer):
@@ -2835,6 +2949,8 @@ class RobotRegistration(Body):
     - joint_names: New names, by the name of the joint in the text.
     - limits: Limits that replace or complete those of the text, by the name of the joint in the text.
     - tip: Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
+    - tips: Tips of a robot with several arms, first the tool; then the robot is all that is below the base. Set it
+      for two arms, a torso or a mobile base; instead of `tip`.
     - tool_offset: Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     """
 
@@ -2850,6 +2966,9 @@ class RobotRegistration(Body):
     """Limits that replace or complete those of the text, by the name of the joint in the text."""
     tip: str | None = None
     """Link of the tool frame; default: the end of the only chain or of the only arm, without gripper."""
+    tips: list[RegisteredTip] | None = None
+    """Tips of a robot with several arms, first the tool; then the robot is all that is below the base. Set it for two
+    arms, a torso or a mobile base; instead of `tip`."""
     tool_offset: Pose | None = None
     """Pose of the tool frame in the frame of the tip, m; default: the frame of the tip."""
 

@@ -79,6 +79,21 @@ pub struct ArmView {
     pub joints: Vec<JointView>,
     /// Tool pose in the base frame, m.
     pub tool: Pose,
+    /// The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"joints": [0, 1, 2, 3], "tip": [0.5, 0.2, 0.0]}]))]
+    pub chains: Vec<ChainView>,
+}
+
+/// The chain of joints from the base to a tip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ChainView {
+    /// Its joints, base first: places in `joints`, from 0.
+    #[schema(example = json!([0, 1, 2, 3]))]
+    pub joints: Vec<usize>,
+    /// Position of the tip in the base frame, m.
+    #[schema(example = json!([0.5, 0.2, 0.0]))]
+    pub tip: [f32; 3],
 }
 
 /// The axis of a joint, and the velocities that its limits allow.

@@ -43,7 +43,9 @@ pub use inequality::{ActiveInequality, Inequality, ViolatedInequality};
 pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame, TipPose};
 pub use law::{Law, LawTarget, MotionPath, PostureTarget};
-pub use live::{ArmView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep};
+pub use live::{
+    ArmView, ChainView, JointView, LiveFrame, LiveSample, PathCounts, SimulationControl, TimeHistogram, WatchedStep,
+};
 pub use object::Object;
 pub use outcome::{
     ActiveLimit, ActiveRow, Contradiction, ContradictionMember, Singularity, SolverLevel, SolverReport, TaskOutcome,

@@ -58,6 +58,7 @@ pub(crate) struct ArmState {
 
 /// What a controller reads of the arm besides the measured state.
 #[derive(Debug, Clone, Copy, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "independent of each other")]
 pub(crate) struct Needs {
     /// The posture of rest.
     pub rest: bool,

@@ -83,7 +83,7 @@ pub enum UrdfError {
         leaves: Vec<String>,
     },
     /// The tip is not named, and the robot has several arms.
-    #[error("the robot has {} arms; name the `tip`: {}", .tips.len(), list(.tips))]
+    #[error("the robot has {} arms; name the `tip`: {}; or register several as `tips`", .tips.len(), list(.tips))]
     Arms {
         /// The base link.
         base: String,

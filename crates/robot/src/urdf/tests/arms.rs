@@ -75,7 +75,7 @@ fn heads_wheels_and_sensors_are_no_arms_and_several_arms_are_named() {
     assert_eq!(tip, "l3");
     let second = [joint("b1", "base", "k1", REVOLUTE), joint("b2", "k1", "k2", REVOLUTE)];
     let error = arm("k1 k2", &second).unwrap_err();
-    assert_eq!(error.to_string(), "the robot has 2 arms; name the `tip`: `l3`, `k2`");
+    assert_eq!(error.to_string(), "the robot has 2 arms; name the `tip`: `l3`, `k2`; or register several as `tips`");
     assert!(
         message(read(&robot(
             "a wheel_l wheel_r",
