@@ -128,6 +128,12 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
             "\n{joint}: the acceleration limit conflicts with the position or velocity limit, which takes precedence"
         );
     }
+    for (i, sentence) in answer.why.iter().enumerate() {
+        let _ = writeln!(text, "{}{sentence}", if i == 0 { "\n" } else { "" });
+    }
+    for warning in &answer.warnings {
+        let _ = writeln!(text, "\nwarning: {warning}");
+    }
     let solver = &answer.solver;
     let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));
     let is_optimal = solver.status == Status::Optimal;

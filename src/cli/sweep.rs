@@ -66,15 +66,15 @@ const SHOWN_CELLS: usize = 20;
 const LONGEST_HEAD: usize = 16;
 
 const EXAMPLES: &str = "Examples:
-  revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=lin:0..0.005:6
+  revprio sweep stiff_wall --vary environment.stiffness=log:1e3..1e6:20 --vary loop.lag_s=0,0.005
   revprio sweep force_tracking_singular --vary method=reverse_priority,damped_least_squares
   revprio sweep my_scenario.toml --vary controller.tasks.0.law.damping=50,150,450 --seeds 0..99
-  revprio sweep stiff_wall --vary loop.lag_s=lin:0..0.005:60 --shard 1/4       on one of four machines
-  revprio sweep --merge shards/*.parquet                                       afterwards
+  revprio sweep stiff_wall --vary loop.lag_s=lin:0..0.005:60 --shard 1/4 # on one of four
+  revprio sweep --merge shards/*.parquet # afterwards
 
-Paths are those of the scenario file, with `*` for all items of a list. `environment.` stands for `contacts.*.`, `loop.` for
-`velocity_loop.`, and `method`, `solver`, `limits` for the fields of the controller. To continue an interrupted sweep, run
-the same command again.";
+Paths are those of the scenario file, with `*` for all items of a list. `environment.` stands for `contacts.*.`, \
+`loop.` for `velocity_loop.`, and `method`, `solver`, `limits` for the fields of the controller. To continue an \
+interrupted sweep, run the same command again.";
 
 /// Part of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

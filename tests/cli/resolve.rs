@@ -93,6 +93,25 @@ fn active_rows_and_contradictions_are_printed() {
 }
 
 #[test]
+fn sentences_and_warnings_are_printed() {
+    let task = |axis: &str| format!(r#"{{"axes": ["{axis}"], "velocity": [0.1]}}"#);
+    let problem = format!(
+        r#"{{"robot": "sawyer_dh", "joint_position": [0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0], "period_s": 0.01, "why": true,
+            "method": "reverse_priority", "tasks": [{}, {}, {}]}}"#,
+        task("x"),
+        task("y"),
+        task("rz")
+    );
+    let table = success_with_input(&["resolve", "-"], &problem);
+    let answer: serde_json::Value =
+        serde_json::from_str(&success_with_input(&["resolve", "-", "--json"], &problem)).unwrap();
+    for sentence in answer["why"].as_array().unwrap().iter().chain(answer["warnings"].as_array().unwrap()) {
+        assert!(table.contains(sentence.as_str().unwrap()), "{sentence} is not in {table}");
+    }
+    assert!(table.contains("warning: the method `reverse_priority`"), "{table}");
+}
+
+#[test]
 fn closed_pipe_is_no_error() {
     let mut child = program(&["resolve", EXAMPLE]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());

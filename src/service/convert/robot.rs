@@ -20,18 +20,15 @@ pub const MAX_TIPS: usize = 32;
 pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let overrides = overrides(request)?;
     let (name, base) = (Some(&*request.name), request.base.as_deref());
-    let robot = match &request.tips {
-        Some(tips) => {
-            check(request.tip.is_none(), "/tip", "give either `tip` or `tips`")?;
-            let tips = registered_tips(tips)?;
-            let options = UrdfTreeOptions { name, description: None, base, tips: &tips, overrides: Some(&overrides) };
-            RobotModel::from_urdf_tree(&request.urdf, &options)
-        }
-        None => {
-            let tip = request.tip.as_deref();
-            let options = UrdfOptions { name, description: None, base, tip, overrides: Some(&overrides) };
-            RobotModel::from_urdf(&request.urdf, &options)
-        }
+    let robot = if let Some(tips) = &request.tips {
+        check(request.tip.is_none(), "/tip", "give either `tip` or `tips`")?;
+        let tips = registered_tips(tips)?;
+        let options = UrdfTreeOptions { name, description: None, base, tips: &tips, overrides: Some(&overrides) };
+        RobotModel::from_urdf_tree(&request.urdf, &options)
+    } else {
+        let tip = request.tip.as_deref();
+        let options = UrdfOptions { name, description: None, base, tip, overrides: Some(&overrides) };
+        RobotModel::from_urdf(&request.urdf, &options)
     };
     let robot = robot.map_err(|error| urdf_error(request, &error))?;
     let joints = robot.joint_count();

@@ -48,8 +48,8 @@ kinds! {
         "A web page of another site makes the request.",
         "Start the service with `--allow-origin` and the origin of that page.";
     OWNER: FORBIDDEN "owner", "The session has another owner",
-        "The session was opened with an owner token, and the step has no token or another one.",
-        "Step only your own sessions. Send the same `Revprio-Owner` with which the session was opened.";
+        "The session was opened with an owner token, and the request has no token or another one.",
+        "Step, replace and end only your own sessions. Send the same `Revprio-Owner` with which the session was opened.";
     NOT_FOUND: NOT_FOUND "not-found", "Not found",
         "There is no such route, robot, scenario or simulation.",
         "Use a name from a list or from the answer that created the resource.";

@@ -173,8 +173,8 @@ fn main() {
     println!("{count} problems; the dearest on the serving thread:");
     println!("{:>9} {:>8} {:>8} {:>9} {:>11}  shape", "µs", "bytes", "price", "µs/price", "µs/kB");
     if let Some(file) = value("--bodies") {
-        let lines: String = best.iter().map(|found| format!("{}\n", found.shape.body())).collect();
-        if let Err(error) = std::fs::write(file, lines) {
+        let lines: Vec<String> = best.iter().map(|found| found.shape.body().to_string()).collect();
+        if let Err(error) = std::fs::write(file, lines.join("\n")) {
             eprintln!("{file}: {error}");
         }
     }

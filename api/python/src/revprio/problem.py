@@ -81,7 +81,7 @@ REMEDIES: dict[str, str] = {
     "/problems/permanent": "Delete only registered robots.",
     "/problems/foreign-host": "Use the address of the service, or start it with `--allow-host` and the name.",
     "/problems/foreign-origin": "Start the service with `--allow-origin` and the origin of that page.",
-    "/problems/owner": "Step only your own sessions. Send the same `Revprio-Owner` with which the session was opened.",
+    "/problems/owner": "Step, replace and end only your own sessions. Send the same `Revprio-Owner` with which the session was opened.",
     "/problems/not-found": "Use a name from a list or from the answer that created the resource.",
     "/problems/unknown-controller": "Open a new session.",
     "/problems/method-not-allowed": "Use a method that the header `Allow` lists.",

@@ -53,7 +53,7 @@ def controller(drive: Condition, changes: dict[str, Any]) -> ControllerConfig:
 
 
 class Revprio:
-    """Reverse priority within the limits of position, velocity and acceleration."""
+    """Strict reverse priority within the limits of position, velocity and acceleration."""
 
     def __init__(self, url: str, drive: Condition, changes: dict[str, Any]) -> None:
         """Opens a session. `changes`: fields of the controller that differ from the defaults."""
