@@ -3,7 +3,6 @@
 //! The rows of a kind are functions of the arm at a posture: the Jacobian J_k, the velocity J_k q̇, and the state that the law
 //! reads. Their number never changes. So a controller allocates the block of each task once, and each period overwrites it.
 
-mod distance;
 mod frame;
 mod joints;
 mod kind;
@@ -14,7 +13,6 @@ use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Frame, TaskFrame};
 
-pub use distance::DistanceRow;
 pub use frame::{TargetPose, ToolRows};
 pub(crate) use joints::mid_range_rate;
 pub use joints::{JointRows, JointTarget};
@@ -37,8 +35,6 @@ pub enum TaskRows {
     Joints(JointRows),
     /// Constant rows over the joints.
     Raw(RawRows),
-    /// A distance.
-    Distance(DistanceRow),
 }
 
 impl TaskRows {
@@ -46,7 +42,7 @@ impl TaskRows {
     pub fn fixed_frame(&self) -> Option<&IsometryMatrix3<f64>> {
         match self {
             Self::Tool(ToolRows { frame: TaskFrame { frame: Frame::Fixed(frame), .. }, .. }) => Some(frame),
-            Self::Tool(_) | Self::Joints(_) | Self::Raw(_) | Self::Distance(_) => None,
+            Self::Tool(_) | Self::Joints(_) | Self::Raw(_) => None,
         }
     }
 
@@ -62,7 +58,6 @@ impl TaskRows {
             Self::Tool(rows) => rows.axes.len(),
             Self::Joints(rows) => rows.joints.len(),
             Self::Raw(rows) => rows.jacobian.nrows(),
-            Self::Distance(_) => 1,
         }
     }
 
@@ -76,7 +71,6 @@ impl TaskRows {
             }
             Self::Joints(rows) => rows.check(robot, law),
             Self::Raw(rows) => rows.check(robot, law),
-            Self::Distance(_) => Ok(()),
         }
     }
 
@@ -85,7 +79,7 @@ impl TaskRows {
     pub(crate) fn joint(&self, robot: &RobotModel, row: usize) -> Option<(usize, f64)> {
         match self {
             Self::Joints(rows) => Some((rows.joints[row], rows.rate(robot, rows.joints[row]))),
-            Self::Tool(_) | Self::Raw(_) | Self::Distance(_) => None,
+            Self::Tool(_) | Self::Raw(_) => None,
         }
     }
 
@@ -93,7 +87,7 @@ impl TaskRows {
     pub fn joints(&self) -> &[usize] {
         match self {
             Self::Joints(rows) => &rows.joints,
-            Self::Tool(_) | Self::Raw(_) | Self::Distance(_) => &[],
+            Self::Tool(_) | Self::Raw(_) => &[],
         }
     }
 
@@ -113,7 +107,6 @@ impl TaskRows {
             Self::Tool(rows) => rows.kind(row),
             Self::Joints(rows) => RowKind::Joint(&robot.joints()[rows.joints[row]]),
             Self::Raw(_) => RowKind::Raw,
-            Self::Distance(_) => RowKind::Linear,
         }
     }
 
@@ -128,7 +121,6 @@ impl TaskRows {
             Self::Tool(rows) => rows.write_jacobian(at, jacobian),
             Self::Joints(rows) => rows.write_jacobian(jacobian),
             Self::Raw(rows) => jacobian.copy_from(&rows.jacobian),
-            Self::Distance(row) => row.write_jacobian(at, jacobian),
         }
     }
 
@@ -138,7 +130,6 @@ impl TaskRows {
             Self::Tool(rows) => rows.velocity(at),
             Self::Joints(rows) => rows.select(&at.arm.joint_velocity),
             Self::Raw(rows) => rows.velocity(&at.arm.joint_velocity),
-            Self::Distance(row) => row.velocity(at),
         }
     }
 
@@ -149,7 +140,6 @@ impl TaskRows {
             Self::Tool(rows) => rows.state(velocity, at, position),
             Self::Joints(rows) => rows.state(velocity, at, position),
             Self::Raw(_) => RawRows::state(velocity, at.arm.profile_time(at.time_s)),
-            Self::Distance(row) => row.state(velocity, at),
         }
     }
 
@@ -158,7 +148,7 @@ impl TaskRows {
         match self {
             Self::Tool(_) => Some(Quantity::Pose),
             Self::Joints(rows) => rows.has_position_target().then_some(Quantity::JointPosition),
-            Self::Raw(_) | Self::Distance(_) => None,
+            Self::Raw(_) => None,
         }
     }
 
@@ -168,7 +158,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.target_displacement.as_ref().is_some_and(moves),
             Self::Joints(JointRows { target: JointTarget::Position(profile), .. }) => moves(profile),
-            Self::Joints(_) | Self::Raw(_) | Self::Distance(_) => false,
+            Self::Joints(_) | Self::Raw(_) => false,
         }
     }
 
@@ -194,7 +184,7 @@ impl TaskRows {
             (None, Self::Tool(rows)) => *target = rows.own_reference(at.arm).value,
             (None, Self::Joints(rows)) => rows.write_target(at, displacement, target),
             // A position law has no raw rows.
-            (None, Self::Raw(_) | Self::Distance(_)) => {}
+            (None, Self::Raw(_)) => {}
         }
     }
 
@@ -203,7 +193,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.actual(velocity, at),
             Self::Joints(rows) => rows.actual(velocity, at),
-            Self::Raw(_) | Self::Distance(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+            Self::Raw(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
         }
     }
 
@@ -212,7 +202,7 @@ impl TaskRows {
         let value = self.target_value(&given.value, at);
         let velocity = given.velocity.as_ref().map(|velocity| match self {
             Self::Tool(rows) => rows.target_velocity(velocity, &value),
-            Self::Joints(_) | Self::Raw(_) | Self::Distance(_) => TaskVector::from_slice(velocity),
+            Self::Joints(_) | Self::Raw(_) => TaskVector::from_slice(velocity),
         });
         (value, velocity)
     }
