@@ -22,7 +22,6 @@
 //! weak direction, and does not wind up.
 
 mod bounds;
-mod damper;
 mod force;
 mod gains;
 mod hybrid;
@@ -33,7 +32,6 @@ mod task_state;
 mod task_vector;
 
 pub use bounds::{VelocityBounds, VelocityBoundsError};
-pub use damper::DamperLaw;
 pub use force::ForceLaw;
 pub use gains::{GainError, Gains};
 pub use hybrid::HybridLaw;
@@ -56,8 +54,6 @@ pub enum Law {
     Bounds(VelocityBounds),
     /// Motion to a pose, or of joints to a posture.
     Position(PositionLaw),
-    /// A damper.
-    Damper(DamperLaw),
     /// Force control. Paper: Eqs. (35)-(42).
     Force(ForceLaw),
     /// Mass, damper and spring about a pose. Paper: Eqs. (43)-(47).
@@ -73,7 +69,6 @@ impl Law {
             Self::Velocity(profile) => profile.rows(),
             Self::Bounds(bounds) => bounds.rows(),
             Self::Position(law) => law.rows(),
-            Self::Damper(law) => law.rows(),
             Self::Force(law) => law.rows(),
             Self::Impedance(law) => law.rows(),
             Self::Hybrid(law) => law.rows(),
@@ -83,7 +78,7 @@ impl Law {
     /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
     pub fn integrates(&self) -> bool {
         match self {
-            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Damper(_) => false,
+            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) => false,
             Self::Force(_) | Self::Impedance(_) | Self::Hybrid(_) => true,
         }
     }
@@ -118,7 +113,6 @@ impl Law {
             Self::Velocity(profile) => return state.set_point(profile),
             Self::Bounds(bounds) => return bounds.velocity(state),
             Self::Position(law) => return law.velocity(state),
-            Self::Damper(law) => return law.velocity(state),
             Self::Force(law) => law.acceleration(state),
             Self::Impedance(law) => law.acceleration(state),
             Self::Hybrid(law) => law.acceleration(state),
@@ -131,7 +125,7 @@ impl Law {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),
             Self::Hybrid(law) => law.target_force(time_s),
-            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Damper(_) | Self::Impedance(_) => {
+            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Impedance(_) => {
                 SmallVec::from_elem(None, self.rows())
             }
         }
