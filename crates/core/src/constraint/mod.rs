@@ -8,14 +8,12 @@
 mod fixed;
 mod kind;
 mod plane;
-mod two_sided;
 
 pub use revprio_problem::{Inequality, InequalityError};
 use revprio_robot::kinematics::Configuration;
 
 use self::kind::ConstraintKind;
 pub use self::plane::{APPROACH_RATE, PlanePoint, VirtualPlane, VirtualPlaneError};
-pub use self::two_sided::TwoSided;
 use crate::arm_state::ArmState;
 pub use crate::arm_state::{Ahead, JointBraking};
 
@@ -31,8 +29,6 @@ pub enum Constraint {
     Fixed(Inequality),
     /// A virtual wall, which gives another inequality at each posture.
     Plane(VirtualPlane),
-    /// −b ≤ a·q̇ ≤ b.
-    TwoSided(TwoSided),
 }
 
 impl Constraint {
@@ -40,7 +36,6 @@ impl Constraint {
         match self {
             Self::Fixed(inequality) => inequality,
             Self::Plane(plane) => plane,
-            Self::TwoSided(bounds) => bounds,
         }
     }
 
