@@ -121,6 +121,24 @@ fn a_controller_carries_with_two_hands() {
 }
 
 #[test]
+fn a_plane_holds_back_any_tip_or_link() {
+    let service = with_two_arms();
+    let place = |link: &str| position(&kinematics(&service, link, &Value::Null)["pose"])[0];
+    let pushed = |point: &str, offset: f64| {
+        let plane = json!({"kind": "plane", "normal": [1, 0, 0], "offset_m": offset, "point": point});
+        let task = json!({"link": "right", "axes": ["x"], "velocity": [0.2]});
+        json!({"robot": "two-arms", "joint_position": POSTURE, "tasks": [task], "inequalities": [plane]}).to_string()
+    };
+    // 5 mm before the plane, the hand approaches it with 10/s · 5 mm.
+    let answer = service.post("/v1/resolve", &pushed("right", place("right") + 0.005)).accepted();
+    assert!((answer["tasks"][0]["achieved"][0].as_f64().unwrap() - 0.05).abs() < 1e-9, "{answer}");
+    assert_eq!(answer["active_inequalities"].as_array().unwrap().len(), 1);
+    let answer = service.post("/v1/resolve", &pushed("left", place("left") + 0.005)).accepted();
+    assert!((answer["tasks"][0]["achieved"][0].as_f64().unwrap() - 0.2).abs() < 1e-9, "{answer}");
+    service.post("/v1/resolve", &pushed("none", 0.0)).assert_refused(422, Some("/inequalities/0/point"));
+}
+
+#[test]
 fn wrong_links_and_tips_are_refused_with_the_place() {
     let service = with_two_arms();
     let problem = |link: Value| {

@@ -1,10 +1,11 @@
 //! Limits, holds and virtual walls compared with the formulas of `docs/limits.md`, computed here in another way.
 
+use nalgebra::Vector3;
 use proptest::prelude::*;
 use revprio_core::constraint::{Ahead, Constraint, Inequality, JointBraking, PlanePoint, VirtualPlane};
 use revprio_core::limits::{Drive, Hold, JointMotion, LimitKind, braking_deceleration, reaction_time, robot_box};
 use revprio_core::linalg::Vector;
-use revprio_robot::kinematics::Configuration;
+use revprio_robot::kinematics::{Configuration, LinkPoint};
 use revprio_robot::{JointLimits, RobotModel};
 
 const PERIOD: f64 = 0.004;
@@ -119,17 +120,15 @@ proptest! {
         joints in prop::array::uniform7(-1.0..1.0_f64),
         to_rest in prop::array::uniform7(-0.1..0.1_f64),
         last_command in prop::array::uniform7(-1.0..1.0_f64),
-        elbow in any::<bool>(),
+        place in 0..3_usize,
     ) {
         let robot = sawyer();
         let q: Vec<f64> = middle(robot).iter().zip(joints).map(|(middle, change)| middle + change).collect();
         let configuration = Configuration::new(robot, &q).unwrap();
-        let point = if elbow { PlanePoint::Joint(4) } else { PlanePoint::Tool };
+        let hand = LinkPoint::new(robot.link("j6").unwrap(), Vector3::new(0.1, -0.05, 0.2));
+        let point = [PlanePoint::Tool, PlanePoint::Joint(4), PlanePoint::Link(hand)][place];
         let wall = VirtualPlane::new("wall", [3.0, 0.0, 4.0], 0.7, point, 8.0).unwrap();
-        let at = |configuration: &Configuration| match point {
-            PlanePoint::Tool => configuration.tool_pose().translation.vector,
-            PlanePoint::Joint(joint) => configuration.joint_origin(joint),
-        };
+        let at = |configuration: &Configuration| point.position(configuration);
         let height = |configuration: &Configuration| 0.6 * at(configuration).x + 0.8 * at(configuration).z;
         let deceleration = [4.0, 3.0, f64::INFINITY, 5.0, 6.0, 7.0, 8.0];
         let braking = JointBraking { deceleration: &deceleration, reaction_s: 0.02 };
@@ -188,9 +187,13 @@ fn a_constraint_says_what_it_is() {
     let rows = |constraint: &Constraint, configuration| constraint.rows_at(configuration).len();
     assert_eq!((rows(&fixed, None), rows(&plane(PlanePoint::Tool), None)), (1, 0));
     assert_eq!((rows(&fixed, Some(&configuration)), rows(&plane(PlanePoint::Tool), Some(&configuration))), (1, 1));
-    assert_eq!((fixed.fits(7), fixed.fits(6)), (true, false));
-    let fits = |joint| plane(PlanePoint::Joint(joint)).fits(7);
-    assert_eq!((fits(6), fits(7), plane(PlanePoint::Tool).fits(1)), (true, false, true));
+    let planar = revprio_robot::built_in().iter().find(|robot| robot.name() == "planar_3r").unwrap();
+    assert_eq!((fixed.fits(sawyer()), fixed.fits(planar)), (true, false));
+    let fits = |point, robot| plane(point).fits(robot);
+    let link = |name: &str| PlanePoint::Link(LinkPoint::origin(sawyer().link(name).unwrap()));
+    assert_eq!([6, 7].map(|joint| fits(PlanePoint::Joint(joint), sawyer())), [true, false]);
+    assert_eq!([link("j1"), link("j6")].map(|point| fits(point, planar)), [true, false]);
+    assert!(fits(PlanePoint::Tool, planar));
     let Constraint::Plane(wall) = plane(PlanePoint::Joint(3)) else { unreachable!("a plane") };
     assert_eq!((wall.point(), wall.rate()), (PlanePoint::Joint(3), 8.0));
 }

@@ -6,6 +6,7 @@ use revprio_robot::RobotModel;
 
 use super::checks::{Missing, Refused, Result, check, each};
 use super::numbers::{check_numbers, joint_index, joint_list, joint_names, number};
+use super::pose::body_frame;
 use crate::service::error::ApiError;
 
 /// Maximum number of inequalities of a request.
@@ -59,9 +60,12 @@ impl InequalityReader<'_> {
         if point == "tool" {
             return Ok(PlanePoint::Tool);
         }
-        joint_index(robot, point).map(PlanePoint::Joint).ok_or_else(|| {
+        let link = || body_frame(robot, point).map(|frame| PlanePoint::Link(frame.origin()));
+        joint_index(robot, point).map(PlanePoint::Joint).or_else(link).ok_or_else(|| {
             let (robot, names) = (robot.name(), joint_names(robot).join(", "));
-            ApiError::invalid(pointer, format!("`{robot}` has no joint `{point}`; give `tool` or one of {names}"))
+            let detail =
+                format!("`{robot}` has no joint, tip or link `{point}`; give `tool`, a tip, a link or one of {names}");
+            ApiError::invalid(pointer, detail)
         })
     }
 

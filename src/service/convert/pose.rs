@@ -44,7 +44,7 @@ pub fn task_body(robot: &RobotModel, link: Option<&str>, relative_to: Option<&st
 }
 
 /// Returns the frame of a tip, or of a link.
-fn body_frame(robot: &RobotModel, name: &str) -> Option<BodyFrame> {
+pub fn body_frame(robot: &RobotModel, name: &str) -> Option<BodyFrame> {
     robot.tip(name).map(BodyFrame::from).or_else(|| robot.link(name).map(BodyFrame::from))
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use revprio_api::wire;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
-use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD};
+use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL};
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use serde_json::{Value, json};
 
@@ -205,7 +205,7 @@ fn target_ranges() -> Vec<FieldRange> {
             force: Items(1, MAX_ROWS),
             ahead: Items(0, MAX_TARGETS_AHEAD),
         }
-        wire::TargetAhead { after_s: Between(0.0, MAX_FORESIGHT) }
+        wire::TargetAhead { after_s: Between(MIN_INTERVAL, MAX_FORESIGHT) }
         wire::TargetStream { ahead: Items(0, MAX_TARGETS_AHEAD) }
         wire::LaterTarget { time_s: Between(-MAX_TIME_S, MAX_TIME_S), values: Items(1, MAX_ROWS) }
         wire::StreamedPose { position: Items(3, 3) }

@@ -24,9 +24,9 @@ def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401
         raise ValueError(message)
     try:
         array = np.asarray(value)
-        # NumPy would drop the imaginary parts.
-        if array.dtype.kind != "c":
-            return np.asarray(array, dtype=np.float64)
+        # Not complex numbers, dates or records. A copy: the caller may change the array afterwards.
+        if array.dtype.kind in "biufOUS":
+            return np.array(array, dtype=np.float64)
     except (TypeError, ValueError):
         pass
     message = "give a number, a list or an array of real numbers, with rows of equal length"

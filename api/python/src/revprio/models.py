@@ -906,7 +906,8 @@ class PlaneInequality(Tagged):
     - normal: Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3.
     - offset_m: Distance of the plane from the base origin along n, m.
     - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
-    - point: Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
+    - point: Point p that is held back: `tool`, the name of a joint for the origin of its frame, or that of a tip or
+      a link for the origin of that frame; default `tool`.
     - rate_per_s: Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows
       the arm earlier; default 10.
     """
@@ -920,7 +921,8 @@ class PlaneInequality(Tagged):
     name: str | None = None
     """Name, unique in the list; default `inequality 1`, `inequality 2`, …"""
     point: str | None = None
-    """Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`."""
+    """Point p that is held back: `tool`, the name of a joint for the origin of its frame, or that of a tip or a link
+    for the origin of that frame; default `tool`."""
     rate_per_s: float | None = None
     """Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows the arm earlier;
     default 10."""
@@ -3095,13 +3097,13 @@ class TargetAhead(Body):
 
     Fields:
 
-    - after_s: Time after `time_s` of the target, s; at most 2.
+    - after_s: Time after `time_s` of the target, s; at least 1 µs after the one before it, at most 2.
     - joint_position: Target positions of the joints of the task at that time, in their order or by name, rad or m.
     - pose: Target pose at that time.
     """
 
     after_s: float
-    """Time after `time_s` of the target, s; at most 2."""
+    """Time after `time_s` of the target, s; at least 1 µs after the one before it, at most 2."""
     joint_position: JointVector | None = None
     """Target positions of the joints of the task at that time, in their order or by name, rad or m."""
     pose: StreamedPose | None = None
@@ -3331,14 +3333,16 @@ class StuckTask(Answer):
 
     Fields:
 
-    - held_by: What holds it back; empty while the arm leaves the posture.
+    - held_by: What holds it back; empty while the arm leaves the posture, and where nothing but its own request
+      does, which fades.
     - leaving: Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.
     - since_s: Time since which it makes no progress, s.
     - task: Name of the task.
     """
 
     held_by: list[Obstacle]
-    """What holds it back; empty while the arm leaves the posture."""
+    """What holds it back; empty while the arm leaves the posture, and where nothing but its own request does, which
+    fades."""
     leaving: bool
     """Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints."""
     since_s: float

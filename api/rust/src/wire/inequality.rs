@@ -27,7 +27,8 @@ pub enum Inequality {
         normal: [f64; 3],
         /// Distance of the plane from the base origin along n, m.
         offset_m: f64,
-        /// Point p that is held back: `tool`, or the name of a joint for the origin of its frame; default `tool`.
+        /// Point p that is held back: `tool`, the name of a joint for the origin of its frame, or that of a tip or a link for the
+        /// origin of that frame; default `tool`.
         #[serde(default = "tool")]
         point: String,
         /// Maximum rate at which the distance to the plane decreases, 1/s; at most 1/T. A smaller one slows the arm

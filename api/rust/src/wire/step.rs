@@ -242,7 +242,7 @@ pub struct StuckTask {
     /// Time since which it makes no progress, s.
     #[schema(example = 3.2)]
     pub since_s: f64,
-    /// What holds it back; empty while the arm leaves the posture.
+    /// What holds it back; empty while the arm leaves the posture, and where nothing but its own request does, which fades.
     #[schema(example = json!(["limits"]))]
     pub held_by: Vec<Obstacle>,
     /// Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.

@@ -75,7 +75,7 @@ pub struct StreamedTarget {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TargetAhead {
-    /// Time after `time_s` of the target, s; at most 2.
+    /// Time after `time_s` of the target, s; at least 1 µs after the one before it, at most 2.
     #[schema(example = 0.1)]
     pub after_s: f64,
     /// Target pose at that time.

@@ -1,6 +1,7 @@
 //! A linear inequality that is the same at every posture.
 
 use revprio_problem::Inequality;
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use super::kind::ConstraintKind;
@@ -11,8 +12,8 @@ impl ConstraintKind for Inequality {
         self.name()
     }
 
-    fn fits(&self, joints: usize) -> bool {
-        self.coefficients().len() == joints
+    fn fits(&self, robot: &RobotModel) -> bool {
+        self.coefficients().len() == robot.joint_count()
     }
 
     fn row_count(&self) -> usize {

@@ -1,6 +1,7 @@
 //! What each kind of constraint does.
 
 use revprio_problem::Inequality;
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use crate::arm_state::ArmState;
@@ -10,8 +11,8 @@ pub(super) trait ConstraintKind {
     /// Returns the name that answers use.
     fn name(&self) -> &str;
 
-    /// Returns whether the constraint is possible for an arm of `joints` joints.
-    fn fits(&self, joints: usize) -> bool;
+    /// Returns whether the constraint is possible for a robot.
+    fn fits(&self, robot: &RobotModel) -> bool;
 
     /// Returns the number of rows.
     fn row_count(&self) -> usize;

@@ -10,6 +10,7 @@ mod kind;
 mod plane;
 
 pub use revprio_problem::{Inequality, InequalityError};
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
 
 use self::kind::ConstraintKind;
@@ -44,9 +45,9 @@ impl Constraint {
         self.kind().name()
     }
 
-    /// Returns whether the constraint is possible for an arm of `joints` joints.
-    pub fn fits(&self, joints: usize) -> bool {
-        self.kind().fits(joints)
+    /// Returns whether the constraint is possible for a robot.
+    pub fn fits(&self, robot: &RobotModel) -> bool {
+        self.kind().fits(robot)
     }
 
     /// Returns the number of rows.

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use revprio_problem::Inequality;
-use revprio_robot::kinematics::Configuration;
+use revprio_robot::RobotModel;
+use revprio_robot::kinematics::{Configuration, LinkPoint};
 
 use super::kind::ConstraintKind;
 use crate::arm_state::{Ahead, ArmState, JointBraking};
@@ -14,13 +15,30 @@ use crate::linalg::RANK_TOLERANCE;
 pub const APPROACH_RATE: f64 = 10.0;
 
 /// The point of the arm that a virtual plane holds back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum PlanePoint {
     /// The tool point.
     #[default]
     Tool,
     /// The origin of a joint's frame (index from 0), for example the elbow.
     Joint(usize),
+    /// A point of a link, seen from the base, for example the tool point of a second arm.
+    Link(LinkPoint),
+}
+
+impl PlanePoint {
+    /// Returns the point at a posture, base frame, m.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such joint or link.
+    pub fn position(&self, configuration: &Configuration) -> Vector3<f64> {
+        match self {
+            Self::Tool => configuration.tool_pose().translation.vector,
+            Self::Joint(joint) => configuration.joint_origin(*joint),
+            Self::Link(point) => configuration.point_pose(point).translation.vector,
+        }
+    }
 }
 
 /// Share of a_n that the approach to a plane uses. The rest is for what a_n leaves out: the Jacobian that changes on the
@@ -150,24 +168,18 @@ impl VirtualPlane {
 
     /// Returns D, the distance of the point to the plane, m; negative behind it.
     fn distance(&self, configuration: &Configuration) -> f64 {
-        self.offset - self.normal.dot(&self.position(configuration))
-    }
-
-    /// Returns the point, m.
-    fn position(&self, configuration: &Configuration) -> Vector3<f64> {
-        match self.point {
-            PlanePoint::Tool => configuration.tool_pose().translation.vector,
-            PlanePoint::Joint(joint) => configuration.joint_origin(joint),
-        }
+        self.offset - self.normal.dot(&self.point.position(configuration))
     }
 
     /// Returns the columns of the Jacobian of the point, n, m/s.
     fn columns(&self, configuration: &Configuration) -> impl Iterator<Item = Vector3<f64>> {
-        let (tool, origin) = match self.point {
-            PlanePoint::Tool => (Some(configuration.tool_point_jacobian()), None),
-            PlanePoint::Joint(joint) => (None, Some(configuration.joint_origin_jacobian(joint))),
+        let (tool, origin, link) = match self.point {
+            PlanePoint::Tool => (Some(configuration.tool_point_jacobian()), None, None),
+            PlanePoint::Joint(joint) => (None, Some(configuration.joint_origin_jacobian(joint)), None),
+            PlanePoint::Link(point) => (None, None, Some(configuration.link_point_jacobian(point))),
         };
-        tool.into_iter().flatten().chain(origin.into_iter().flatten())
+        let tool_or_origin = tool.into_iter().flatten().chain(origin.into_iter().flatten());
+        tool_or_origin.chain(link.into_iter().flatten())
     }
 }
 
@@ -176,8 +188,12 @@ impl ConstraintKind for VirtualPlane {
         &self.name
     }
 
-    fn fits(&self, joints: usize) -> bool {
-        !matches!(self.point, PlanePoint::Joint(joint) if joint >= joints)
+    fn fits(&self, robot: &RobotModel) -> bool {
+        match self.point {
+            PlanePoint::Tool => true,
+            PlanePoint::Joint(joint) => joint < robot.joint_count(),
+            PlanePoint::Link(point) => point.link.max(point.relative_to).index() < robot.links().len(),
+        }
     }
 
     fn row_count(&self) -> usize {

@@ -74,8 +74,8 @@ pub enum TargetError {
     },
     /// Targets ahead are not of later and later times, too far ahead, too many, or of another quantity.
     #[error(
-        "give at most {MAX_TARGETS_AHEAD} targets ahead, of the same quantity as the target, each later than the one before it, and \
-         at most {MAX_FORESIGHT} s after the target"
+        "give at most {MAX_TARGETS_AHEAD} targets ahead, of the same quantity as the target, each at least 1 µs later than the one before it, \
+         and at most {MAX_FORESIGHT} s after the target"
     )]
     Foresight {
         /// Index of the first one that does not fit.
@@ -128,7 +128,7 @@ impl StreamedTarget {
             return Err(TargetError::NotFinite);
         }
         let ahead_s = self.time_s - time_s;
-        if ahead_s > MAX_AHEAD {
+        if ahead_s > MAX_AHEAD + MIN_INTERVAL {
             return Err(TargetError::Ahead { ahead_s });
         }
         self.check_ahead(expected)

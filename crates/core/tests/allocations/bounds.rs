@@ -14,10 +14,7 @@ use crate::methods::METHODS;
 /// Returns a ceiling above a point of the arm in its first posture; `distance`: m.
 pub fn ceiling(point: PlanePoint, distance: f64) -> Constraint {
     let configuration = Configuration::new(&sawyer(), &NOMINAL).unwrap();
-    let height = match point {
-        PlanePoint::Tool => configuration.tool_pose().translation.z,
-        PlanePoint::Joint(joint) => configuration.joint_origin(joint).z,
-    };
+    let height = point.position(&configuration).z;
     Constraint::Plane(VirtualPlane::new("ceiling", [0.0, 0.0, 1.0], height + distance, point, 10.0).unwrap())
 }
 

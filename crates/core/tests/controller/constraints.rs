@@ -15,10 +15,7 @@ const SECOND_ORDER: f64 = 1e-6;
 
 fn height(robot: &RobotModel, q: &[f64], point: PlanePoint) -> f64 {
     let configuration = Configuration::new(robot, q).unwrap();
-    match point {
-        PlanePoint::Tool => configuration.tool_pose().translation.z,
-        PlanePoint::Joint(joint) => configuration.joint_origin(joint).z,
-    }
+    point.position(&configuration).z
 }
 
 /// Pushes upwards with 100 N against a virtual ceiling at `distance` (m) above `point`.

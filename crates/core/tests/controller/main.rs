@@ -17,6 +17,7 @@ mod late_states;
 mod laws;
 mod lengths;
 mod limits;
+mod long_chains;
 mod lost_link;
 mod memory;
 mod outstretched;

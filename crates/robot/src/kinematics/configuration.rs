@@ -206,6 +206,18 @@ impl Configuration {
         self.jacobian.column_iter().map(|column| column.fixed_rows::<3>(0).into_owned())
     }
 
+    /// Returns the columns of the Jacobian of a point of a link, along the base axes, n, m/s.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the robot has no such link.
+    pub fn link_point_jacobian(&self, point: LinkPoint) -> impl Iterator<Item = Vector3<f64>> {
+        (0..self.joint_position.len()).map(move |joint| {
+            let own = self.point_columns(&point).filter(|(coordinate, _)| *coordinate == joint);
+            own.map(|(_, [x, y, z, ..])| Vector3::new(x, y, z)).sum()
+        })
+    }
+
     /// Returns the columns of the Jacobian of [`Self::joint_origin`], n, m/s. The joints above that joint move it.
     ///
     /// # Panics

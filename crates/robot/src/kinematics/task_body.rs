@@ -15,6 +15,11 @@ pub struct BodyFrame {
 }
 
 impl BodyFrame {
+    /// Returns its origin, seen from the base.
+    pub fn origin(&self) -> LinkPoint {
+        LinkPoint::new(self.link, self.offset.translation.vector)
+    }
+
     /// Returns its pose in the base frame, m.
     fn pose(&self, configuration: &Configuration) -> IsometryMatrix3<f64> {
         configuration.link_pose(self.link) * self.offset
@@ -88,6 +93,6 @@ impl TaskBody {
 
     fn point(&self) -> LinkPoint {
         let observer = self.relative_to.map_or(LinkId::BASE, |frame| frame.link);
-        LinkPoint::new(self.body.link, self.body.offset.translation.vector).relative_to(observer)
+        self.body.origin().relative_to(observer)
     }
 }

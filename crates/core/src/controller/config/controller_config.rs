@@ -116,7 +116,7 @@ impl ControllerConfig {
             return Err(ConfigError::Drive);
         }
         let joints = self.robot.joint_count();
-        if let Some(index) = self.constraints.iter().position(|constraint| !constraint.fits(joints)) {
+        if let Some(index) = self.constraints.iter().position(|constraint| !constraint.fits(&self.robot)) {
             let name = self.constraints[index].name().to_owned();
             return Err(ConfigError::Constraint { index, name, expected: joints });
         }

@@ -240,9 +240,13 @@ impl Clone for TaskGain {
     }
 }
 
+/// Larger distances count as this one, m and rad together: a memory has no larger numbers.
+const FARTHEST: f64 = 1e9;
+
 impl TaskGain {
     /// Updates the gain of a task to a distance from its target, m and rad together.
     pub(in crate::controller) fn update(gain: &mut Option<Self>, distance: f64, target: &TargetValue) -> Gained {
+        let distance = distance.min(FARTHEST);
         let way = gain.as_ref().map_or(f64::INFINITY, |gain| target.distance(&gain.target));
         match gain {
             Some(gain) if way <= TARGET_JUMP => {
