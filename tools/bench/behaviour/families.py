@@ -173,7 +173,7 @@ def hand(time_s: float) -> Array:
     return pose
 
 
-def tracker(family: Family) -> list[Target]:
+def tracker(family: Family, drop_outs: tuple[Interval, ...] = DROP_OUTS) -> list[Target]:
     """Returns targets at 45 Hz with 30 % jitter, 0.3 mm and 2 mrad noise, 0 to 20 ms latency and 5 % losses."""
     random = np.random.default_rng(SEED)
     sent: list[Target] = []
@@ -182,7 +182,7 @@ def tracker(family: Family) -> list[Target]:
         pose = family.pose(time_s).copy()
         pose[:3, 3] += random.normal(scale=3e-4, size=3)
         pose[:3, :3] = from_rotation_vector(random.normal(scale=2e-3, size=3)) @ pose[:3, :3]
-        is_lost = random.uniform() < 0.05 or any(start <= time_s < end for start, end in DROP_OUTS)
+        is_lost = random.uniform() < 0.05 or any(start <= time_s < end for start, end in drop_outs)
         arrival_s = time_s + random.uniform(0, 0.02)
         if not is_lost:
             sent.append(Target(arrival_s, time_s, pose))

@@ -39,17 +39,22 @@ POSTURE_GAIN = 1.0
 
 def controller(drive: Condition, changes: dict[str, Any]) -> ControllerConfig:
     """Returns the controller: the tool follows streamed targets, and the joints stay near their start."""
-    posture = PostureLaw(gain=POSTURE_GAIN, target_position=ConstantProfile(value=list(model.HOME)))
     fields = {
         "robot": "panda",
         "period_s": PERIOD_S,
         "drive": JointDrive(lag_s=drive.lag_s, delay_periods=drive.delay_periods),
-        "tasks": [
-            ControllerTask(name="tool", axes=AXES, law=PoseLaw(gain=GAIN)),
-            ControllerTask(name="posture", law=posture),
-        ],
+        "tasks": tasks(),
     }
     return ControllerConfig(**(fields | changes))
+
+
+def tasks() -> list[ControllerTask]:
+    """Returns the task of the tool and that of the posture below it."""
+    posture = PostureLaw(gain=POSTURE_GAIN, target_position=ConstantProfile(value=list(model.HOME)))
+    return [
+        ControllerTask(name="tool", axes=AXES, law=PoseLaw(gain=GAIN)),
+        ControllerTask(name="posture", law=posture),
+    ]
 
 
 class Revprio:
