@@ -216,7 +216,7 @@ impl<const N: usize> Conditions<N> {
             let Span { start, first, .. } = solved.spans[k];
             (h, g, norm, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, solved.spans[k].end);
             if let Some(dependent) = dependent {
-                self.dependent.write_left_null_vector(solved.level(k), first, dependent, w);
+                DependentRows::write_left_null_vector(solved.level(k), first, dependent, w);
             } else {
                 solved.rows[start..end].iter().for_each(|row| w[row.index] = row.residual);
             }

@@ -72,32 +72,22 @@ impl<const N: usize> DependentRows<N> {
 
     /// Writes w of a level with Aᵀw = 0 over the level's coordinates: 1 at one dependent row, −F at the pivots.
     pub fn write_left_null_vector(
-        &mut self,
         (pivots, dependents): (&[FactorRow<N>], &[FactorRow<N>]),
         first: usize,
         dependent: usize,
         w: &mut [f64],
     ) {
-        self.write_combinations(pivots, dependents, first);
         for row in dependents {
             w[row.index] = 0.0;
         }
-        (first..).zip(pivots).for_each(|(c, row)| w[row.index] = -self.combinations[dependent].0[c]);
+        let combination = combination_of(&dependents[dependent], pivots, first);
+        (first..).zip(pivots).for_each(|(c, row)| w[row.index] = -combination.0[c]);
         w[dependents[dependent].index] = 1.0;
     }
 
     /// Writes F.
     fn write_combinations(&mut self, pivots: &[FactorRow<N>], dependents: &[FactorRow<N>], first: usize) {
-        self.combinations.clear();
-        for row in dependents {
-            let (mut rest, mut combination) = (row.coordinates, Row::ZERO);
-            for (place, pivot) in pivots.iter().enumerate().rev() {
-                let factor = rest.0[first + place] * pivot.inverse;
-                combination.0[first + place] = factor;
-                rest.add_scaled(-factor, &pivot.coordinates);
-            }
-            self.combinations.push(combination);
-        }
+        refill(&mut self.combinations, dependents.iter().map(|row| combination_of(row, pivots, first)));
     }
 
     /// Replaces c in `r` by r = (I + F Fᵀ)⁻¹ c; returns e = Fᵀ r. `width`: the level's coordinates, from `first` on.
@@ -128,6 +118,17 @@ impl<const N: usize> DependentRows<N> {
         f.iter().zip(r).for_each(|(f, r)| pivot_part.add_scaled(*r, f));
         pivot_part
     }
+}
+
+/// Returns the row of F that belongs to a dependent row.
+fn combination_of<const N: usize>(row: &FactorRow<N>, pivots: &[FactorRow<N>], first: usize) -> Row<N> {
+    let (mut rest, mut combination) = (row.coordinates, Row::ZERO);
+    for (place, pivot) in pivots.iter().enumerate().rev() {
+        let factor = rest.0[first + place] * pivot.inverse;
+        combination.0[first + place] = factor;
+        rest.add_scaled(-factor, &pivot.coordinates);
+    }
+    combination
 }
 
 /// Replaces x by (I + G)⁻¹ x for a positive semidefinite matrix G, by Cholesky's factorisation.
