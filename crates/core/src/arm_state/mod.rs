@@ -8,6 +8,7 @@ use std::sync::Arc;
 use nalgebra::IsometryMatrix3;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
+use revprio_robot::profile::Profile;
 
 pub(crate) use capability::JointCapability;
 pub use motion::{Ahead, JointBraking, JointMotion};
@@ -158,6 +159,11 @@ impl ArmState {
     /// Returns a time of the caller on the clock of the profiles, s.
     pub fn profile_time(&self, time_s: f64) -> f64 {
         time_s - self.profiles_start_s
+    }
+
+    /// Returns the time at which a profile is read in place of a later one, s: a law that looks ahead does not leave a target before it jumps.
+    pub fn known_time(&self, profile: &Profile, time_s: f64) -> f64 {
+        if profile.jumps() { self.time_s } else { time_s }
     }
 
     /// Returns the arm at the measured posture q.

@@ -193,7 +193,7 @@ impl ToolRows {
         };
         let Some(displacement) = &self.target_displacement else { return MovingPose::resting(pose) };
         let axes = self.rotation(&pose.rotation);
-        let displacement = displacement.at(arm.profile_time(time_s));
+        let displacement = displacement.at(arm.profile_time(arm.known_time(displacement, time_s)));
         MovingPose::displaced(&pose, &displacement, |entries| self.vectors(entries, &axes))
     }
 }

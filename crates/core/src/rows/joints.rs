@@ -117,7 +117,8 @@ impl JointRows {
                 [&self.select(position) - value, active.velocity.clone(), active.acceleration.clone()]
             }
             (JointTarget::Position(profile), None) => {
-                let SetPoint { value, rate, acceleration } = profile.at(arm.profile_time(time_s));
+                let SetPoint { value, rate, acceleration } =
+                    profile.at(arm.profile_time(arm.known_time(profile, time_s)));
                 let [value, rate, acceleration] =
                     [value, rate, acceleration].map(|entries| TaskVector::from_slice(&entries));
                 [&self.select(position) - &value, rate, acceleration]

@@ -16,7 +16,7 @@ use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming, TargetAh
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 
-use super::arms::{Random, task, tool_rows};
+use super::arms::{Random, position, task, tool_rows};
 use super::best_line;
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::rest::{any_method, any_posture, any_robot, any_target, any_tasks};
@@ -354,6 +354,49 @@ fn figures_are_followed_with_foresight_and_with_a_prediction() {
                 assert!(found.rms <= bound, "{name}, {speed}, {source:?}, seed {seed}: {found:?}");
                 assert!(found.shares.iter().all(|share| *share <= WITHIN), "{name}, {speed}, {source:?}: {found:?}");
             }
+        }
+    }
+}
+
+/// Picks and places: 20 poses on a table, each approached from 0.1 m above it. Returns how many the tool misses by more than 2 mm or 0.01
+/// rad when the next target comes; `pace`: the time for each of the three legs to a pose, s.
+fn missed(arm: &Arm, law: Law, pace: f64, seed: u64) -> usize {
+    let mut random = Random(seed);
+    let poses: Vec<[f64; 3]> =
+        (0..20).map(|_| [0.1 * random.signed(), 0.15 * random.signed(), -0.1 - 0.05 * random.unit()]).collect();
+    let above = |pose: &[f64; 3]| [pose[0], pose[1], pose[2] + 0.1];
+    let mut points = vec![Point { time_s: 0.0, value: vec![0.0; 6] }];
+    let mut reached = Vec::new();
+    for pose in &poses {
+        for place in [above(pose), *pose, above(pose)] {
+            let time_s = points[points.len() - 1].time_s + pace;
+            points.push(Point { time_s, value: [place, [0.0; 3]].concat() });
+            if place == *pose {
+                reached.push((time_s + pace, place));
+            }
+        }
+    }
+    let seconds = points[points.len() - 1].time_s + pace;
+    let rows = ToolRows { target_displacement: Some(Profile::steps(points).unwrap()), ..tool_rows(&AXES) };
+    let run = arm.run(TaskConfig { rows: TaskRows::Tool(rows), ..task(&AXES, law) }, seconds, |_| Vec::new());
+    let start = arm.tool(&arm.start).translation.vector;
+    let is_missed = |(time_s, place): &(f64, [f64; 3])| {
+        let (_, tool, tilt) = run.tool.iter().rfind(|(time, ..)| time <= time_s).unwrap();
+        (tool - start - Vector3::from(*place)).norm() > 2e-3 || *tilt > 0.01
+    };
+    reached.iter().filter(|reached| is_missed(reached)).count()
+}
+
+/// At this pace a law without foresight misses every pose. The arm also stays at a pose until the target jumps to the next one, although
+/// the profile knows it.
+#[test]
+fn no_pose_is_missed_at_the_pace_of_a_robot() {
+    for arm in &Arm::all() {
+        for seed in 0..2 {
+            let name = arm.robot.name();
+            assert_eq!(missed(arm, looking_ahead(PATHS[0]), 0.5, seed), 0, "{name}, joint, seed {seed}");
+            assert_eq!(missed(arm, looking_ahead(PATHS[1]), 0.6, seed), 0, "{name}, straight, seed {seed}");
+            assert_eq!(missed(arm, position(6, 10.0), 0.5, seed), 20, "{name}, without, seed {seed}");
         }
     }
 }

@@ -122,6 +122,11 @@ impl Profile {
         matches!(self.0, Shape::Constant(_))
     }
 
+    /// Returns whether the value jumps at some time.
+    pub fn jumps(&self) -> bool {
+        matches!(&self.0, Shape::Steps(points) if points.len() > 1)
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {

@@ -8,7 +8,9 @@ use revprio_core::law::{Law, MotionPath};
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
 
-use super::{AXES, Arm, DRIVE, Figure, Followed, PATHS, PERIOD, STEPS, Source, Step, follow, looking_ahead, step};
+use super::{
+    AXES, Arm, DRIVE, Figure, Followed, PATHS, PERIOD, STEPS, Source, Step, follow, looking_ahead, missed, step,
+};
 use crate::arms::{Random, position, task, tool_rows};
 use crate::best_line;
 use crate::drives::LaggingArm;
@@ -138,6 +140,20 @@ fn noisy_targets_table() {
                     f64::sqrt(changes / count)
                 );
             }
+        }
+    }
+}
+
+/// Prints how many of 20 poses are missed at several paces.
+#[test]
+#[ignore = "asserts nothing; prints a table of docs/fast.md"]
+fn pick_and_place_table() {
+    for arm in &Arm::all() {
+        for pace in [0.3, 0.4, 0.5, 0.6, 0.8, 1.0] {
+            let law = |path: Option<MotionPath>| path.map_or_else(|| position(6, 10.0), looking_ahead);
+            let of = |path| (0..3).map(|seed| missed(arm, law(path), pace, seed)).collect::<Vec<_>>();
+            let [plain, joint, straight] = [None, Some(MotionPath::Joint), Some(MotionPath::Straight)].map(of);
+            println!("{} {pace} s: {plain:?} joint {joint:?} straight {straight:?}", arm.robot.name());
         }
     }
 }
