@@ -74,3 +74,27 @@ def test_masked_arrays_are_refused(name: str) -> None:
         arm.step(**given)  # type: ignore[arg-type]
     with pytest.raises(InvalidError, match="masked"):
         StateNumbering(0.001).state(given["joint_position"], given["joint_velocity"], given["wrench"], None)
+
+
+def test_bodies_with_arrays_are_compared_by_what_they_send() -> None:
+    def law(gain: float) -> revprio.PostureLaw:
+        return revprio.PostureLaw(gain=gain, target_position=Q)
+
+    assert law(2) == law(2)
+    assert law(2) != law(3)
+    assert law(2) != revprio.PoseLaw(gain=2)
+    assert len({law(2), law(2), law(3)}) == 2
+
+
+def test_an_array_that_changes_afterwards_changes_no_body() -> None:
+    position = Q.copy()
+    law = revprio.PostureLaw(gain=2, target_position=position)
+    sent = law.json_bytes()
+    position[0] = 5
+    assert law.json_bytes() == sent
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(7, "M8[s]"), np.zeros(7, "m8[s]"), np.zeros(7, [("x", float)])])
+def test_arrays_of_dates_and_records_are_no_numbers(wrong: Any) -> None:  # noqa: ANN401
+    with pytest.raises(InvalidError):
+        models.KinematicsRequest(robot="panda", joint_position=wrong)

@@ -163,6 +163,14 @@ class Body(_Refusing):
         """Returns the JSON text to send."""
         return self.model_dump_json(exclude_unset=True).encode()
 
+    def __eq__(self, other: object) -> bool:
+        """Returns whether both are of one class and send the same text."""
+        return isinstance(other, Body) and type(self) is type(other) and self.json_bytes() == other.json_bytes()
+
+    def __hash__(self) -> int:
+        """Returns a hash of the text to send."""
+        return hash((type(self), self.json_bytes()))
+
 
 class Tagged(Body):
     """A variant of a union; the field `kind` names the variant."""
