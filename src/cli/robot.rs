@@ -11,7 +11,7 @@ use revprio_api::{Client, ClientError};
 use revprio_robot::{Overrides, RobotFileError, RobotModel, UrdfOptions, UrdfTreeOptions, from_file, tree_from_file};
 use serde::{Deserialize, Serialize};
 
-use crate::service::{overrides, registered_tips, robot_answer};
+use crate::service::{check_tip_names, overrides, registered_tips, robot_answer};
 
 /// A robot file with options.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -127,18 +127,23 @@ impl RobotArgument {
             tips: &tips,
             overrides: Some(overrides),
         };
-        Ok(tree_from_file(&self.path, &options).map(Arc::new)?)
+        let robot = tree_from_file(&self.path, &options)?;
+        check_tip_names(&robot).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        Ok(Arc::new(robot))
     }
 
     /// Returns the registration of the robot; base and tip of the argument have priority over those of its overrides file.
     fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, RobotArgumentError> {
         let file = self.overrides_file()?;
+        if file.tips.is_some() && (self.tip.is_some() || file.tip.is_some()) {
+            return Err(self.wrong_overrides("give either `tip` or `tips`".to_owned()));
+        }
         Ok(RobotRegistration {
             name,
             urdf,
             base: self.base.clone().or(file.base),
             tip: self.tip.clone().or(file.tip),
-            tips: if self.tip.is_some() { None } else { file.tips },
+            tips: file.tips,
             limits: file.limits,
             joint_names: file.joint_names,
             tool_offset: file.tool_offset,

@@ -193,7 +193,7 @@ mod workers;
 pub use app::{Service, router};
 pub use checked_stepper::ComputedStep;
 pub use config::ServiceConfig;
-pub use convert::{controller, overrides, registered_tips, robot_answer};
+pub use convert::{check_tip_names, controller, overrides, registered_tips, robot_answer};
 pub use error::ApiError;
 pub use heartbeat::Supervisor;
 pub use host::is_host_name;

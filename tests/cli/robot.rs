@@ -165,3 +165,20 @@ fn simulate_warns_about_an_unstable_contact() {
     assert!(warnings("far.toml", &lag(40, 0.0)).contains("warning: stability is not checked"));
     assert!(!warnings("calm.toml", &push("planar_3r")).contains("warning"));
 }
+
+#[test]
+fn tips_beside_the_file_make_a_robot_of_all_arms() {
+    let scratch = Scratch::new("robot_tips");
+    let registration: Value = serde_json::from_str(include_str!("../../api/examples/robot_two_arms.json")).unwrap();
+    let urdf = scratch.write("two.urdf", registration["urdf"].as_str().unwrap());
+    let mut overrides = serde_json::json!({"tips": registration["tips"], "limits": registration["limits"]});
+    let tips = scratch.write("tips.json", &overrides.to_string());
+    let shown = success(&["robots", "check", &format!("{urdf},overrides={tips}")]);
+    assert!(shown.contains("joints 7") && shown.contains("right_wrist"), "{shown}");
+    let both = failure(&["robots", "check", &format!("{urdf},tip=left_hand,overrides={tips}")]);
+    assert!(both.contains("give either `tip` or `tips`"), "{both}");
+    overrides["tips"][1]["name"] = "tool".into();
+    let taken = scratch.write("taken.json", &overrides.to_string());
+    let refused = failure(&["robots", "check", &format!("{urdf},overrides={taken}")]);
+    assert!(refused.contains("`tool` is the name of"), "{refused}");
+}

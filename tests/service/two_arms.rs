@@ -159,7 +159,7 @@ fn wrong_links_and_tips_are_refused_with_the_place() {
     let force =
         json!({"kind": "force", "inertia": 15, "damping": 150, "target_force": {"kind": "constant", "value": 5}});
     service
-        .post("/v1/controllers", &controller(json!({"name": "push", "link": "right", "axes": ["x"], "law": force})))
+        .post("/v1/controllers", &controller(json!({"name": "push", "link": "right", "axes": ["x"], "law": &force})))
         .assert_refused(422, Some("/tasks/0/law"));
     let posture = json!({"kind": "posture", "gain": 1, "target_position": "mid_range"});
     service
@@ -177,6 +177,13 @@ fn wrong_links_and_tips_are_refused_with_the_place() {
     with(&|robot| robot["tips"][1]["name"] = json!("left")).assert_refused(422, Some("/tips"));
     with(&|robot| robot["tips"][1]["link"] = json!("hand")).assert_refused(422, Some("/tips"));
     with(&|robot| robot["tips"][1]["link"] = json!("floor")).assert_refused(422, Some("/tips"));
+    // Names that mean something else, and no names.
+    for name in ["tool", "base", "left_elbow", "left_lower", "", "a\nb", &"x".repeat(65)] {
+        with(&|robot| robot["tips"][1]["name"] = json!(name)).assert_refused(422, Some("/tips/1/name"));
+    }
+    // The base is what tasks are seen from without `relative_to`: the law of the tool is accepted.
+    let from_base = json!({"name": "push", "relative_to": "floor", "axes": ["x"], "law": force});
+    assert_eq!(service.post("/v1/controllers", &controller(from_base)).status, 201);
     with(&|robot| robot["tips"][1]["offset"]["orientation"]["w"] = json!(2))
         .assert_refused(422, Some("/tips/1/offset/orientation"));
 }

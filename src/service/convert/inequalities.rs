@@ -6,7 +6,7 @@ use revprio_robot::RobotModel;
 
 use super::checks::{Missing, Refused, Result, check, each};
 use super::numbers::{check_numbers, joint_index, joint_list, joint_names, number};
-use super::pose::body_frame;
+use super::pose::{body_frame, frame_names};
 use crate::service::error::ApiError;
 
 /// Maximum number of inequalities of a request.
@@ -62,10 +62,11 @@ impl InequalityReader<'_> {
         }
         let link = || body_frame(robot, point).map(|frame| PlanePoint::Link(frame.origin()));
         joint_index(robot, point).map(PlanePoint::Joint).or_else(link).ok_or_else(|| {
+            let candidates = frame_names(robot);
             let (robot, names) = (robot.name(), joint_names(robot).join(", "));
             let detail =
                 format!("`{robot}` has no joint, tip or link `{point}`; give `tool`, a tip, a link or one of {names}");
-            ApiError::invalid(pointer, detail)
+            ApiError::invalid(pointer, detail).with_candidates(&candidates)
         })
     }
 

@@ -41,7 +41,7 @@ pub use numbers::{MAX_JOINTS, MAX_MAGNITUDE, MAX_TIME_S, MIN_INERTIA};
 pub use profile::MAX_POINTS;
 pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem};
 pub use resolve_task::MAX_ROWS;
-pub use robot::{MAX_TIPS, overrides, registered_tips, robot, robot_answer, robots_error};
+pub use robot::{MAX_TIPS, check_tip_names, overrides, registered_tips, robot, robot_answer, robots_error};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{NOT_COMPUTABLE, contact_loop, margin, margin_answer};
 pub use step::{

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3};
 use revprio_api::wire;
-use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{BodyFrame, Frame, TaskBody, TaskFrame, pose as pose_of};
+use revprio_robot::{LinkId, RobotModel};
 
 use super::checks::{Inside, Refused, Result};
 use super::numbers::check_numbers;
@@ -34,6 +34,7 @@ pub fn task_frame(body: Option<TaskBody>, frame: &wire::Frame, reference_point: 
 pub fn task_body(robot: &RobotModel, link: Option<&str>, relative_to: Option<&str>) -> Result<Option<TaskBody>> {
     let named = |name: &str, pointer: &str| body_frame(robot, name).ok_or_else(|| unknown_link(robot, name, pointer));
     let relative_to = relative_to.map(|name| named(name, "/relative_to")).transpose()?;
+    let relative_to = relative_to.filter(|frame| *frame != BodyFrame::from(LinkId::BASE));
     let body = match link {
         Some(name) => named(name, "/link")?,
         None if relative_to.is_some() => BodyFrame::from(&robot.tips()[0]),
@@ -48,12 +49,17 @@ pub fn body_frame(robot: &RobotModel, name: &str) -> Option<BodyFrame> {
     robot.tip(name).map(BodyFrame::from).or_else(|| robot.link(name).map(BodyFrame::from))
 }
 
-fn unknown_link(robot: &RobotModel, name: &str, pointer: &str) -> ApiError {
+/// Returns the names of the tips and links.
+pub fn frame_names(robot: &RobotModel) -> Vec<String> {
     let links = robot.links().iter().map(|link| &link.name);
     let mut names: Vec<String> = robot.tips().iter().map(|tip| &tip.name).chain(links).cloned().collect();
     names.dedup();
+    names
+}
+
+fn unknown_link(robot: &RobotModel, name: &str, pointer: &str) -> ApiError {
     let detail = format!("`{}` has no tip and no link `{name}`", robot.name());
-    ApiError::invalid(pointer, detail).with_candidates(&names)
+    ApiError::invalid(pointer, detail).with_candidates(&frame_names(robot))
 }
 
 /// Returns the robot with the tool offset of the request.

@@ -11,7 +11,7 @@ use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
 use crate::service::error::{ApiError, escape_pointer};
-use crate::service::robots::RobotsError;
+use crate::service::robots::{MAX_NAME, RobotsError};
 
 /// Maximum number of tips of a robot.
 pub const MAX_TIPS: usize = 32;
@@ -31,9 +31,30 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
         RobotModel::from_urdf(&request.urdf, &options)
     };
     let robot = robot.map_err(|error| urdf_error(request, &error))?;
+    if request.tips.is_some() {
+        check_tip_names(&robot)?;
+    }
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
     check(joints <= MAX_JOINTS, "/urdf", detail).map(|()| robot)
+}
+
+/// Checks that each name of a tip is a word, and that it names nothing else: tasks and planes would mean different things by it.
+pub fn check_tip_names(robot: &RobotModel) -> Result<()> {
+    for (k, tip) in robot.tips().iter().enumerate() {
+        let (name, pointer) = (tip.name.as_str(), format!("/tips/{k}/name"));
+        let is_word = (1..=MAX_NAME).contains(&name.len()) && !name.contains(|c: char| c.is_control() || c == '`');
+        check(is_word, &pointer, format_args!("give a name of 1 to {MAX_NAME} bytes"))?;
+        let is_joint = robot.moving_joints().iter().any(|joint| joint.name == name);
+        let is_other_link = robot.link(name).is_some_and(|link| link != tip.link);
+        let is_taken = is_joint || is_other_link || ["tool", "base"].contains(&name);
+        check(
+            !is_taken,
+            &pointer,
+            format_args!("`{name}` is the name of a joint, of another link, or of a frame; give another"),
+        )?;
+    }
+    Ok(())
 }
 
 /// Reads the tips of a registration.

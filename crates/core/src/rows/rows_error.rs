@@ -22,7 +22,8 @@ pub enum RowsError {
     Link,
     /// A law that reads the wrench is set on a body that is not the tool.
     #[error(
-        "the wrench is measured at the tool; a task of another link can have the laws velocity and position, or bounds, only"
+        "the wrench is measured at the tool; a task of another link, or seen from one, can have the laws `pose` and `velocity`, or \
+         bounds, only"
     )]
     LinkLaw,
     /// Constant rows do not fit the robot or are not finite.
