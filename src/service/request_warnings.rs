@@ -64,14 +64,15 @@ pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) ->
     warnings
 }
 
-/// Adds the warnings about the targets of a state, and about those ahead: the first one of each task.
+/// Adds the warnings about the targets of a state. If a target has none, those about the first one ahead that has some.
 pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, targets: &[StreamedTarget]) {
     let config = controller.config();
     for target in targets {
         let task = &config.tasks[target.task];
         let about = About { task: &task.name, robot: &config.robot };
-        let ahead = target.ahead.iter().map(|later| &later.value);
-        warnings.extend(std::iter::once(&target.value).chain(ahead).find_map(|value| about.streamed(task, value)));
+        let values = std::iter::once(&target.value).chain(target.ahead.iter().map(|later| &later.value));
+        let found = values.map(|value| about.streamed(task, value)).find(|found| !found.is_empty());
+        warnings.extend(found.unwrap_or_default());
     }
 }
 
@@ -118,19 +119,21 @@ impl About<'_> {
         }
     }
 
-    /// Returns the first warning about a streamed value.
-    fn streamed(self, task: &TaskConfig, value: &StreamedValue) -> Option<String> {
+    /// Returns the warnings about a streamed value.
+    fn streamed(self, task: &TaskConfig, value: &StreamedValue) -> Vec<String> {
         match value {
             StreamedValue::Pose { position: Some(position), .. } => {
                 let frame = task.rows.fixed_frame();
                 let in_base = frame.map_or(*position, |frame| frame.transform_point(&(*position).into()).coords);
-                self.position(in_base)
+                self.position(in_base).into_iter().collect()
             }
             StreamedValue::JointPosition(values) => {
                 let joints = task.rows.joints().iter().map(|&joint| &self.robot.joints()[joint]);
-                joints.zip(values).find_map(|(joint, value)| self.joint(joint, *value))
+                joints.zip(values).filter_map(|(joint, value)| self.joint(joint, *value)).collect()
             }
-            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => None,
+            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => {
+                Vec::new()
+            }
         }
     }
 
