@@ -41,7 +41,7 @@ pub fn arm_view(config: &ControllerConfig, position: &[f64], last_velocity: &[f6
     })
 }
 
-/// Returns the chain to each tip; none for a robot with one tip.
+/// Returns the chain to each tip; none if one chain has all joints.
 fn chains(robot: &RobotModel, configuration: &Configuration) -> Vec<wire::ChainView> {
     let moving = robot.moving_joints();
     let chain = |tip: &Tip| {
@@ -52,7 +52,9 @@ fn chains(robot: &RobotModel, configuration: &Configuration) -> Vec<wire::ChainV
         let position = configuration.tip_pose(tip).translation.vector;
         wire::ChainView { joints, tip: [position.x, position.y, position.z].map(single) }
     };
-    if robot.tips().len() > 1 { robot.tips().iter().map(chain).collect() } else { Vec::new() }
+    let chains: Vec<_> = robot.tips().iter().map(chain).collect();
+    let is_serial = matches!(chains.as_slice(), [only] if only.joints.len() == robot.joint_count());
+    if is_serial { Vec::new() } else { chains }
 }
 
 /// Rounds to single precision, for display.
@@ -65,4 +67,24 @@ pub fn single(value: f64) -> f32 {
 pub fn finite(value: f64) -> Option<f32> {
     let value = single(value);
     value.is_finite().then_some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::convert::robot;
+
+    #[test]
+    fn a_robot_that_is_no_chain_is_drawn_by_its_chains() {
+        let chains_of = |robot: &RobotModel| {
+            let at_zero = Configuration::new(robot, &vec![0.0; robot.joint_count()]).unwrap();
+            chains(robot, &at_zero).into_iter().map(|chain| chain.joints).collect::<Vec<_>>()
+        };
+        let text = include_str!("../../../api/examples/robot_two_arms.json");
+        let mut two: wire::RobotRegistration = serde_json::from_str(text).unwrap();
+        assert_eq!(chains_of(&robot(&two).unwrap()), [vec![0, 1, 2, 3], vec![0, 4, 5, 6]]);
+        two.tips.as_mut().unwrap().remove(0);
+        assert_eq!(chains_of(&robot(&two).unwrap()), [vec![0, 4, 5, 6]]);
+        assert!(chains_of(&revprio_robot::built_in()[0]).is_empty());
+    }
 }

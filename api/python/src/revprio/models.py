@@ -352,7 +352,7 @@ class ArmView(Answer):
 
     - joints: The joints, base first.
     - tool: Tool pose in the base frame, m.
-    - chains: The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain.
+    - chains: The chain to each tip, first the tool; absent if all joints are one chain.
     """
 
     joints: list[JointView]
@@ -360,7 +360,7 @@ class ArmView(Answer):
     tool: Pose
     """Tool pose in the base frame, m."""
     chains: list[ChainView] = Field(default_factory=list)
-    """The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain."""
+    """The chain to each tip, first the tool; absent if all joints are one chain."""
 
 
 Axis = Literal["x", "y", "z", "rx", "ry", "rz"]

@@ -79,7 +79,7 @@ pub struct ArmView {
     pub joints: Vec<JointView>,
     /// Tool pose in the base frame, m.
     pub tool: Pose,
-    /// The chain to each tip, first the tool; absent for a robot with one tip, whose joints are one chain.
+    /// The chain to each tip, first the tool; absent if all joints are one chain.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"joints": [0, 1, 2, 3], "tip": [0.5, 0.2, 0.0]}]))]
     pub chains: Vec<ChainView>,
