@@ -1,7 +1,8 @@
 //! Problems with many rows that contradict each other: working sets, times, and how often each way to a working set was needed,
 //! as docs/solver.md has them.
 //!
-//!     cargo run --release -p revprio-core --example many_rows
+//!     cargo run --release -p revprio-core --example many_rows        # all families
+//!     cargo run --release -p revprio-core --example many_rows 32     # those with at most 32 joints
 
 use std::time::{Duration, Instant};
 
@@ -116,8 +117,9 @@ fn main() {
     println!(
         "joints, hard rows, tasks, damping: problems, working sets mean and most, last resorts, not certified, mean and longest ms"
     );
+    let most_joints = std::env::args().nth(1).map_or(usize::MAX, |joints| joints.parse().expect("a number of joints"));
     let mut rungs = Rungs::default();
-    for family in FAMILIES {
+    for family in FAMILIES.into_iter().filter(|family| family.0 <= most_joints) {
         for damping in [None, Some(Damping::STANDARD)] {
             let (mut sets, mut most, mut resorts, mut unsure, mut times) = (0, 0, 0, 0, Vec::new());
             for rows in [Rows::Normal, Rows::SmallIntegers, Rows::NearlyParallel, Rows::Sparse] {
@@ -127,10 +129,14 @@ fn main() {
                     let (mut resolver, mut answer) = (Resolver::default(), Resolution::default());
                     // The first call allocates.
                     resolver.resolve(&problem, &[], &mut answer).expect("the parts fit");
-                    let start = Instant::now();
-                    resolver.resolve(&problem, &[], &mut answer).expect("the parts fit");
-                    times.push(start.elapsed());
                     rungs = rungs + resolver.rungs();
+                    // The least of three times leaves out what other processes take.
+                    let time = |_| {
+                        let start = Instant::now();
+                        resolver.resolve(&problem, &[], &mut answer).expect("the parts fit");
+                        start.elapsed()
+                    };
+                    times.push((0..3).map(time).min().unwrap_or_default());
                     sets += answer.solver.working_sets;
                     most = most.max(answer.solver.working_sets);
                     resorts += answer.solver.last_resorts;
@@ -148,7 +154,7 @@ fn main() {
             );
         }
     }
-    println!("\nway to a working set: sets tried, problems answered (each problem twice)");
+    println!("\nway to a working set: sets tried, problems answered");
     for rung in Rung::ALL {
         println!("{rung:?}: {}, {}", rungs[rung].tried, rungs[rung].answered);
     }

@@ -61,10 +61,9 @@ pub struct Tolerances {
     pub other_roundings: [f64; 5],
 
     // Explanations.
-    /// A weight of a proof of contradiction below this fraction of the largest one is rounding.
+    /// A weight of a proof of contradiction below this fraction of the largest one is rounding. So is what a level misses, below
+    /// this fraction of its size.
     pub proof_weight: f64,
-    /// A dependency that differs from a proof by less than this fraction is the same one.
-    pub proof_distinct: f64,
     /// Residual, relative to the speed of a scaled task, up to which its direction counts as kept.
     pub scaled_direction: f64,
     /// Residual, relative to the requested speed, that is rounding where a scaled task comes to rest.
@@ -95,7 +94,6 @@ pub const TOLERANCES: Tolerances = Tolerances {
     cascade_at_once: 1e-13,
     other_roundings: [5e-15, 1e-12, 1e-11, 1e-10, 1e-9],
     proof_weight: 1e-9,
-    proof_distinct: 1e-6,
     scaled_direction: 1e-11,
     scaled_rest: 1e-14,
     chain_weight: 1e-9,

@@ -1,15 +1,15 @@
 //! Minimal sets of demands that contradict each other.
 //!
 //! Where a level cannot keep its inequalities, the multipliers w of its residual prove it: Σ w_i a_i = 0 over its rows, the
-//! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). A proof with the fewest members is found by taking
-//! members away along dependencies of the vectors a_i, as long as the rest still is a proof.
+//! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). Weights are then moved along dependencies of the vectors
+//! a_i, one member after the other as in the simplex method, until a dependency is a proof itself.
 
 use revprio_problem::{Bound, BoundId, Contradiction, Problem, Side};
 
 use super::engine::Solved;
-use super::hierarchy::{Demand, Hierarchy, Level};
+use super::hierarchy::{Hierarchy, Level};
 use super::solution::Solution;
-use crate::linalg::Matrix;
+use crate::linalg::dot;
 use crate::tolerances::TOLERANCES;
 
 /// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
@@ -28,18 +28,20 @@ pub fn write_contradictions(
     solved: &mut Solved,
     contradictions: &mut Vec<Contradiction>,
 ) {
-    if levels.rows.iter().all(Demand::is_equation) {
+    if levels.inequalities.is_empty() {
         return;
     }
+    let mut broken = Vec::new();
     for (level, own) in levels.levels.iter().enumerate() {
-        let broken = own.rows().find(|&row| is_broken(levels, solution, row));
-        let Some(broken) = broken else { continue };
-        let task = match levels.rows[broken].origin {
+        let known = broken.len();
+        broken.extend(broken_rows(levels, solution, own));
+        let Some(&first) = broken.get(known) else { continue };
+        let task = match levels.rows[first].origin {
             Some(BoundId::Task { index, .. }) => Some(index),
             Some(_) => None,
             None => continue,
         };
-        let Some(mut members) = proof_members(problem, levels, solution, level, solved) else { continue };
+        let Some(mut members) = proof_members(problem, levels, (solution, &broken), level, solved) else { continue };
         reduce(&mut members);
         if members.is_empty() {
             // What is missing is rounding.
@@ -49,38 +51,28 @@ pub fn write_contradictions(
     }
 }
 
-/// Returns whether an inequality row misses its bounds by more than rounding.
-fn is_broken(levels: &Hierarchy, solution: &Solution, row: usize) -> bool {
-    let (value, Demand { lower, upper, .. }) = (solution.row_values[row], levels.rows[row]);
-    if levels.rows[row].is_equation() {
-        return false;
-    }
-    let missing = (value - upper).max(lower - value);
-    if missing <= 0.0 {
-        return false;
-    }
-    let level = levels.levels.iter().find(|level| row < level.end);
-    let rows = level.map_or(0..0, Level::rows);
-    let norm = |entries: &mut dyn Iterator<Item = f64>| entries.map(|entry| entry * entry).sum::<f64>().sqrt();
-    let speed = norm(&mut solution.x.iter().copied());
-    let bounds = rows.clone().flat_map(|row| [levels.rows[row].lower, levels.rows[row].upper]);
-    let target = norm(&mut bounds.filter(|bound| bound.is_finite()));
-    let size = norm(&mut rows.flat_map(|row| levels.row(row).iter().copied())) * speed + target;
-    missing > TOLERANCES.proof_weight * size
+/// Returns the inequality rows of a level that miss their bounds by more than rounding.
+fn broken_rows(levels: &Hierarchy, solution: &Solution, level: &Level) -> impl Iterator<Item = usize> {
+    let rounding = TOLERANCES.proof_weight * levels.size(level, norm(&solution.x));
+    let missing = |row: usize| {
+        let (value, demand) = (solution.row_values[row], &levels.rows[row]);
+        (value - demand.upper).max(demand.lower - value)
+    };
+    level.rows().filter(move |&row| !levels.rows[row].is_equation() && missing(row) > rounding)
 }
 
 /// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.
 fn proof_members(
     problem: &Problem,
     levels: &Hierarchy,
-    solution: &Solution,
+    (solution, broken): (&Solution, &[usize]),
     level: usize,
     solved: &mut Solved,
 ) -> Option<Vec<Member>> {
     let n = problem.tasks.joint_count();
-    let size = |row: usize| norm(levels.row(row)).max(f64::MIN_POSITIVE);
     let own = levels.levels[level].rows();
-    if let Some(zero) = own.clone().find(|&row| size(row) == f64::MIN_POSITIVE && is_broken(levels, solution, row)) {
+    let is_broken = |row: usize| broken.binary_search(&row).is_ok();
+    if let Some(zero) = own.clone().find(|&row| is_broken(row) && levels.row(row).iter().all(|entry| *entry == 0.0)) {
         // A row of zeros contradicts itself.
         let (Some(id), side) = (levels.rows[zero].origin, solution.working_set.rows[zero]?) else { return None };
         return Some(vec![member(Bound { id, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
@@ -90,11 +82,11 @@ fn proof_members(
     // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
     let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
     let mut members = Vec::new();
-    for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * size(*row) > negligible) {
+    for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * length(levels, *row) > negligible) {
         let side = side(-w);
         let name = Bound { id: levels.rows[row].origin?, side };
         // What a higher level achieved is kept, whatever it asked for.
-        let is_kept = row < own.start && (levels.rows[row].is_equation() || is_broken(levels, solution, row));
+        let is_kept = row < own.start && (levels.rows[row].is_equation() || is_broken(row));
         let bound = if is_kept { solution.row_values[row] } else { levels.rows[row].bound(side) };
         members.push(member(name, &levels.row(row)[..n], bound, w.abs(), side));
     }
@@ -116,17 +108,22 @@ fn proof(levels: &Hierarchy, solution: &Solution, level: usize, solved: &mut Sol
     let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
     solved.write_level_multipliers(levels, level, &mut rows, &mut unknowns);
     let set = &solution.working_set;
+    let is_wrong = |side: Option<Side>, own: f64| side.is_some_and(|side| side.sign() * own < 0.0);
     for higher in (0..level).rev() {
+        let wrong_unknowns = (0..unknowns.len()).filter(|&j| is_wrong(set.unknowns[j], unknowns[j]));
+        let wrong_rows = (0..rows.len()).filter(|&row| is_wrong(set.rows[row], -rows[row]));
+        let wrong: (Vec<usize>, Vec<usize>) = (wrong_unknowns.collect(), wrong_rows.collect());
+        if wrong.0.is_empty() && wrong.1.is_empty() {
+            break;
+        }
         solved.write_level_multipliers(levels, higher, &mut higher_rows, &mut higher_unknowns);
         let negligible = negligible_force(levels, &higher_rows, &higher_unknowns);
         // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
-        let needed = |side: Option<Side>, own: f64, higher: f64, size: f64| {
-            let sign = side.map_or(0.0, Side::sign);
-            if sign * own < 0.0 && sign * higher * size > negligible { -own / higher } else { 0.0 }
+        let needed = |own: f64, higher: f64, size: f64| {
+            if own * higher < 0.0 && higher.abs() * size > negligible { -own / higher } else { 0.0 }
         };
-        let of_unknowns = (0..unknowns.len()).map(|j| needed(set.unknowns[j], unknowns[j], higher_unknowns[j], 1.0));
-        let of_rows =
-            (0..rows.len()).map(|row| needed(set.rows[row], -rows[row], -higher_rows[row], norm(levels.row(row))));
+        let of_unknowns = wrong.0.iter().map(|&j| needed(unknowns[j], higher_unknowns[j], 1.0));
+        let of_rows = wrong.1.iter().map(|&row| needed(rows[row], higher_rows[row], length(levels, row)));
         let factor = of_unknowns.chain(of_rows).fold(0.0, f64::max);
         rows.iter_mut().zip(&higher_rows).for_each(|(w, higher)| *w += factor * higher);
         unknowns.iter_mut().zip(&higher_unknowns).for_each(|(h, higher)| *h += factor * higher);
@@ -136,7 +133,7 @@ fn proof(levels: &Hierarchy, solution: &Solution, level: usize, solved: &mut Sol
 
 /// Returns the size below which a multiplier, times the length of its row, is rounding of others.
 fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
-    let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * norm(levels.row(row)));
+    let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * length(levels, row));
     TOLERANCES.proof_weight * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
 }
 
@@ -148,120 +145,103 @@ fn member(name: Bound, coefficients: &[f64], bound: f64, weight: f64, side: Side
     Member { name, coefficients, bound: side.sign() * bound / length, weight: weight * length }
 }
 
-/// Takes members away until the vectors a_i depend on each other in one way only.
+/// Replaces the members by a proof whose vectors depend on each other in one way only.
 ///
-/// Dependencies among a few members are found faster than among all, so the members are reduced group by group first.
+/// Members are added to a basis one after the other. If a_j = Σ t_p a_p depends on the basis, the weights move along this
+/// dependency so that Σ w_i b_i does not rise, until one of them vanishes; what is left stays a basis. If none vanishes, the
+/// dependency is a proof.
 fn reduce(members: &mut Vec<Member>) {
-    let Some(first) = members.first() else { return };
-    let most = 2 * first.coefficients.len() + 2;
-    while members.len() > most {
-        let rest = members.split_off(most);
-        let is_proof = reduce_group(members, false);
-        if !is_proof {
-            let is_stuck = members.len() == most;
-            members.extend(rest);
-            if is_stuck {
-                break;
+    let mut basis = Basis::new(members.first().map_or(0, |member| member.coefficients.len()));
+    let size = members.iter().fold(0.0, |size, member| f64::max(size, member.bound.abs()));
+    for next in 0..members.len() {
+        basis.decompose(&members[next].coefficients);
+        if basis.add(next) {
+            continue;
+        }
+        let negligible = TOLERANCES.proof_weight * basis.t.iter().fold(1.0, |most, t| f64::max(most, t.abs()));
+        let others: f64 = basis.taken().map(|(_, member, t)| t * members[member].bound).sum();
+        let direction = if others - members[next].bound > negligible * size { 1.0 } else { -1.0 };
+        let falling = basis.taken().filter(|(.., t)| direction * t > negligible);
+        let lengths = falling.map(|(place, member, t)| (members[member].weight / t.abs(), Some(place)));
+        let own = (if direction > 0.0 { f64::INFINITY } else { members[next].weight }, None);
+        let (length, vanishing) = lengths.fold(own, |least, other| if other.0 < least.0 { other } else { least });
+        if length.is_infinite() {
+            for member in members.iter_mut() {
+                member.weight = 0.0;
             }
+            basis.taken().for_each(|(_, member, t)| members[member].weight = -t);
+            members[next].weight = 1.0;
+            members.retain(|member| member.weight > negligible);
+            return;
+        }
+        for (_, member, t) in basis.taken() {
+            members[member].weight = (members[member].weight - direction * length * t).max(0.0);
+        }
+        members[next].weight += direction * length;
+        if let Some(place) = vanishing {
+            basis.exchange(place, next);
         }
     }
-    reduce_group(members, true);
+    members.clear();
 }
 
-/// Takes members away along their dependencies; returns whether those that are left are a proof without any others. `is_all`: the
-/// weights are a dependency themselves.
-fn reduce_group(members: &mut Vec<Member>, is_all: bool) -> bool {
-    let mut dependencies = dependencies(members);
-    loop {
-        let next = if is_all { other_dependency(&dependencies, members) } else { dependencies.first().cloned() };
-        let Some(mut dependency) = next else { return is_all };
-        let largest = dependency.iter().fold(0.0, |largest, d| f64::max(largest, d.abs()));
-        let has =
-            |dependency: &[f64], sign: f64| dependency.iter().any(|d| sign * d > TOLERANCES.proof_weight * largest);
-        // Along the dependency Σ w_i b_i must not rise, and a weight must fall.
-        let parts = || dependency.iter().zip(&*members).map(|(d, member)| d * member.bound);
-        let (gain, size): (f64, f64) = (parts().sum(), parts().map(f64::abs).sum());
-        let is_proof = gain.abs() > TOLERANCES.proof_weight * size && !has(&dependency, gain.signum());
-        if !is_all && is_proof {
-            // All signs agree: the dependency is a proof itself.
-            members.iter_mut().zip(&dependency).for_each(|(member, d)| member.weight = d.abs());
-            members.retain(|member| member.weight > TOLERANCES.proof_weight * largest);
-            return true;
+/// Independent vectors of members, completed by unit vectors to a basis of n vectors.
+struct Basis {
+    /// The member at each place; `None`: the unit vector.
+    members: Vec<Option<usize>>,
+    /// The inverse of the matrix whose columns are the basis, row by row.
+    inverse: Vec<f64>,
+    /// The vector that was decomposed last is Σ t_p a_p.
+    t: Vec<f64>,
+    row: Vec<f64>,
+}
+
+impl Basis {
+    fn new(n: usize) -> Self {
+        let inverse = (0..n * n).map(|at| if at % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        Self { members: vec![None; n], inverse, t: vec![0.0; n], row: vec![0.0; n] }
+    }
+
+    fn decompose(&mut self, vector: &[f64]) {
+        let rows = self.inverse.chunks_exact(vector.len().max(1));
+        self.t.iter_mut().zip(rows).for_each(|(t, row)| *t = dot(row, vector));
+    }
+
+    /// Returns the places of members, with t.
+    fn taken(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let places = self.members.iter().zip(&self.t).enumerate();
+        places.filter_map(|(place, (member, t))| member.map(|member| (place, member, *t)))
+    }
+
+    /// Puts the member of the decomposed vector in the place of a unit vector, if it is independent of the other members; returns
+    /// whether it is.
+    fn add(&mut self, member: usize) -> bool {
+        let is_unit = |place: &usize| self.members[*place].is_none();
+        let by_size = |a: &usize, b: &usize| self.t[*a].abs().total_cmp(&self.t[*b].abs());
+        let largest = (0..self.t.len()).filter(is_unit).max_by(by_size);
+        let Some(place) = largest.filter(|&place| self.t[place].abs() > TOLERANCES.proof_weight) else { return false };
+        self.exchange(place, member);
+        true
+    }
+
+    /// Puts the member of the decomposed vector in a place.
+    fn exchange(&mut self, place: usize, member: usize) {
+        let Self { members, inverse, t, row } = self;
+        let n = t.len();
+        members[place] = Some(member);
+        row.iter_mut().zip(&inverse[place * n..]).for_each(|(own, entry)| *own = entry / t[place]);
+        for (other, factor) in inverse.chunks_exact_mut(n).zip(&*t) {
+            other.iter_mut().zip(&*row).for_each(|(entry, own)| *entry -= factor * own);
         }
-        if gain < 0.0 || !has(&dependency, 1.0) {
-            for d in &mut dependency {
-                *d = -*d;
-            }
-        }
-        // One weight vanishes first.
-        let step = |(d, member): (&f64, &Member)| {
-            if *d > TOLERANCES.proof_weight * largest { member.weight / d } else { f64::INFINITY }
-        };
-        let steps = dependency.iter().zip(&*members).map(step).enumerate();
-        let Some((vanishing, length)) = steps.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, step)| step.is_finite())
-        else {
-            return is_all;
-        };
-        for (member, d) in members.iter_mut().zip(&dependency) {
-            member.weight = (member.weight - length * d).max(0.0);
-        }
-        members[vanishing].weight = 0.0;
-        let largest = members.iter().map(|member| member.weight).fold(0.0, f64::max);
-        for member in (0..members.len()).rev() {
-            if members[member].weight > TOLERANCES.proof_weight * largest {
-                continue;
-            }
-            members.remove(member);
-            drop_member(&mut dependencies, member);
-        }
+        inverse[place * n..][..n].copy_from_slice(row);
     }
 }
 
-/// Returns a basis of all dependencies Σ d_i a_i = 0, from a factorisation A P = Q [R_1, R_2]: the columns of
-/// P [−R_1⁻¹R_2; I].
-fn dependencies(members: &[Member]) -> Vec<Vec<f64>> {
-    let Some(first) = members.first() else { return Vec::new() };
-    let (n, count) = (first.coefficients.len(), members.len());
-    let factors = Matrix::from_fn(n, count, |i, j| members[j].coefficients[i]).col_piv_qr();
-    let r = factors.r();
-    let is_pivot = |&i: &usize| r[(i, i)].abs() > TOLERANCES.proof_weight * r[(0, 0)].abs();
-    let rank = (0..n.min(count)).take_while(is_pivot).count();
-    let others = -r.view((0, rank), (rank, count - rank));
-    let Some(top) = r.view((0, 0), (rank, rank)).solve_upper_triangular(&others) else { return Vec::new() };
-    let mut basis = Matrix::identity(count, count).columns(rank, count - rank).into_owned();
-    basis.rows_mut(0, rank).copy_from(&top);
-    factors.p().inv_permute_rows(&mut basis);
-    basis.column_iter().map(|column| column.iter().copied().collect()).collect()
-}
-
-/// Returns a dependency without its part along the weights, which are a dependency themselves; `None` if there is no other.
-fn other_dependency(dependencies: &[Vec<f64>], members: &[Member]) -> Option<Vec<f64>> {
-    let weight_square: f64 = members.iter().map(|member| member.weight * member.weight).sum();
-    dependencies.iter().find_map(|dependency| {
-        let along = dependency.iter().zip(members).map(|(d, member)| d * member.weight).sum::<f64>() / weight_square;
-        let other: Vec<f64> = dependency.iter().zip(members).map(|(d, member)| d - along * member.weight).collect();
-        (norm(&other) > TOLERANCES.proof_distinct * norm(dependency)).then_some(other)
-    })
-}
-
-/// Removes a member from the dependencies: those that are left do not contain it.
-fn drop_member(dependencies: &mut Vec<Vec<f64>>, member: usize) {
-    let share = |dependency: &[f64]| dependency[member].abs() / norm(dependency);
-    let by_share = |a: &usize, b: &usize| share(&dependencies[*a]).total_cmp(&share(&dependencies[*b]));
-    let most =
-        (0..dependencies.len()).max_by(by_share).filter(|&most| share(&dependencies[most]) > TOLERANCES.proof_weight);
-    if let Some(most) = most {
-        let pivot = dependencies.swap_remove(most);
-        for dependency in &mut *dependencies {
-            let factor = dependency[member] / pivot[member];
-            dependency.iter_mut().zip(&pivot).for_each(|(d, pivot)| *d -= factor * pivot);
-        }
-    }
-    for dependency in dependencies {
-        dependency.remove(member);
-    }
+/// Returns ‖a‖ of a row.
+fn length(levels: &Hierarchy, row: usize) -> f64 {
+    levels.rows[row].square.sqrt()
 }
 
 fn norm(entries: &[f64]) -> f64 {
-    entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+    dot(entries, entries).sqrt()
 }

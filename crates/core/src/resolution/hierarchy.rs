@@ -207,6 +207,13 @@ impl Hierarchy {
         self.row(row).iter().zip(x).map(|(a, x)| a * x).sum()
     }
 
+    /// Returns the size of the numbers whose differences are the residuals of a level, at a point with this norm.
+    pub fn size(&self, level: &Level, speed: f64) -> f64 {
+        let bounds = self.rows[level.rows()].iter().flat_map(|row| [row.lower, row.upper]);
+        let square: f64 = bounds.filter(|bound| bound.is_finite()).map(|bound| bound * bound).sum();
+        level.norm * speed + square.sqrt()
+    }
+
     /// Returns the Frobenius norm of the equations.
     pub fn equation_norm(&self) -> f64 {
         self.rows.iter().filter(|row| row.is_equation()).map(|row| row.square).sum::<f64>().sqrt()
