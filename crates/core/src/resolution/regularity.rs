@@ -7,11 +7,14 @@ use crate::linalg::{Matrix, Row, dot, smallest_eigenvalue};
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
 pub const HALF_WIDTH: f64 = 1.0;
 
-/// Rows beyond which their Gram matrix would cost more than bisection.
+/// Rows beyond which their Gram matrix would cost more than the elimination of rows.
 const MAX_GRAM: usize = 40;
 
-/// Halvings of an interval until it is as wide as rounding.
-const HALVINGS: u32 = 44;
+/// Steps of the secant method. Four or five reach rounding.
+const MAX_SECANTS: u32 = 20;
+
+/// Rows with the least room that are not eliminated, beyond one for each unknown.
+const SPARE_ROWS: usize = 8;
 
 /// The workspace of the numbers s_k.
 #[derive(Default)]
@@ -24,6 +27,11 @@ pub struct Regularity {
     wide: Vec<Row<40>>,
     /// Rows of tasks and inequalities, without damping rows.
     counted: Vec<usize>,
+    /// c² and the rows themselves, ascending, and the rows of A C in that order.
+    sorted: Vec<(f64, usize)>,
+    scaled: Vec<f64>,
+    /// How many of the sorted rows are not eliminated.
+    kept: usize,
 }
 
 impl Regularity {
@@ -44,7 +52,7 @@ impl Regularity {
         if independent == 1.0 || end < levels.unknowns {
             return independent;
         }
-        let determined = self.column_regularity(levels, end, threshold);
+        let determined = self.column_regularity(levels, kept, threshold);
         let above = if start == 0 { 1.0 } else { self.row_regularity(levels, start, threshold) };
         independent.max(determined * above)
     }
@@ -80,15 +88,17 @@ impl Regularity {
         self.regularity_of_gram(rows, threshold)
     }
 
-    /// Returns the regularity of the columns of the first `end` rows.
-    fn column_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
-        let n = levels.unknowns;
+    /// Returns the regularity of the columns of the equations of the first `kept` levels.
+    pub fn column_regularity(&mut self, levels: &Hierarchy, kept: usize, threshold: f64) -> f64 {
+        let (n, end) = (levels.unknowns, levels.levels[kept - 1].end);
+        let equations = || (0..end).filter(|&row| levels.rows[row].is_equation());
+        if equations().count() < n {
+            return 0.0;
+        }
         refill(&mut self.gram, std::iter::repeat_n(0.0, n * n));
-        for row in (0..end).filter(|&row| levels.rows[row].is_equation()).map(|row| levels.row(row)) {
-            for i in 0..n {
-                for j in 0..n {
-                    self.gram[i * n + j] += row[i] * row[j];
-                }
+        for row in equations().map(|row| levels.row(row)) {
+            for (sums, entry) in self.gram.chunks_exact_mut(n).zip(row) {
+                sums.iter_mut().zip(row).for_each(|(sum, other)| *sum += entry * other);
             }
         }
         self.regularity_of_gram(n, threshold)
@@ -101,73 +111,97 @@ impl Regularity {
         if exceeds(factor, size, threshold * threshold) {
             return 1.0;
         }
-        let smallest = match size {
-            0..=8 => smallest_of(gram, size, narrow),
-            9..=40 => smallest_of(gram, size, wide),
-            // This allocates.
-            _ => Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min(),
-        };
+        let smallest = smallest_of_any(gram, size, narrow, wide);
         smooth(smallest.max(0.0).sqrt() / threshold)
     }
 
-    /// The same as [`Self::row_regularity`] for the first `rows` of many rows, by bisection: work in proportion to their number.
+    /// The same as [`Self::row_regularity`] for the first `rows` of many rows: work in proportion to their number.
+    ///
+    /// Of A C² Aᵀ + diag(c²) − λ I, the rows R with much room are eliminated. The rest is S(λ) − λ I, and the smallest eigenvalue
+    /// is the λ that is the smallest eigenvalue θ of S(λ). θ falls with λ and is concave.
     fn regularity_of_many(&mut self, levels: &Hierarchy, rows: usize, threshold: f64) -> f64 {
-        if self.exceed(levels, rows, threshold) {
-            return 1.0;
+        let n = levels.unknowns;
+        let square = threshold * threshold;
+        let Some(most) = self.split_rows(levels, rows, square) else { return 1.0 };
+        self.write_rest(n, most);
+        self.factor.clone_from(&self.gram);
+        if exceeds(&mut self.factor, self.kept, most) {
+            return smooth(most.sqrt() / threshold);
         }
-        let (mut low, mut high) = (0.0, threshold);
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(low, high);
-            if self.exceed(levels, rows, middle) {
-                low = middle;
-            } else {
-                high = middle;
+        let (mut low, mut high) = (0.0_f64, most);
+        let (mut last, mut missing) = (most, self.smallest_of_rest() - most);
+        let mut next = (most + missing).max(0.0);
+        for _ in 0..MAX_SECANTS {
+            let excess = self.smallest_at(n, next) - next;
+            (low, high) = if excess > 0.0 { (next, high.min(next + excess)) } else { (low.max(next + excess), next) };
+            let slope = (excess - missing) / (next - last);
+            (last, missing) = (next, excess);
+            next = (last - excess / slope).clamp(low, high);
+            if excess.abs() <= 4.0 * f64::EPSILON * most || next == last || slope.is_nan() {
+                break;
             }
         }
-        smooth(low / threshold)
+        smooth(last.max(0.0).sqrt() / threshold)
     }
 
-    /// Returns whether all singular values of [A C, diag(c)] exceed `bound` = t.
-    ///
-    /// The rows R with c² > 2 t² are eliminated from A C² Aᵀ + diag(c²) − t² I first, by Woodbury: with P = I + Σ_R (C a)(C a)ᵀ/(c² − t²),
-    /// the rest is diag(c² − t²) + A C P⁻¹ C Aᵀ over the other rows.
-    fn exceed(&mut self, levels: &Hierarchy, rows: usize, bound: f64) -> bool {
-        let Self { room, row_room, gram, factor, counted, .. } = self;
-        let (n, square) = (levels.unknowns, bound * bound);
-        let rest = |row: usize| row_room[row] * row_room[row] - square;
-        let is_eliminated = |row: &usize| rest(*row) > square;
+    /// Sorts rows by their room and writes A C; those with the least are kept, the rest is R. Returns a bound of the smallest
+    /// eigenvalue, `square` at most; `None` if no row has so little room.
+    fn split_rows(&mut self, levels: &Hierarchy, rows: usize, square: f64) -> Option<f64> {
+        let Self { room, row_room, sorted, scaled, counted, .. } = self;
+        let n = levels.unknowns;
+        refill(sorted, counted[..rows].iter().map(|&row| (row_room[row] * row_room[row], row)));
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        // A combination of n + 1 rows sees no unknown.
+        let most = sorted.get(n).map_or(square, |(room, _)| room.min(square));
+        self.kept = sorted.iter().take_while(|(room, _)| *room <= 2.0 * most).count().min(n + SPARE_ROWS);
+        scaled.clear();
+        for (_, row) in &*sorted {
+            scaled.extend(levels.row(*row).iter().zip(&*room).map(|(a, room)| a * room));
+        }
+        (self.kept > 0).then_some(most)
+    }
+
+    /// Returns θ(λ).
+    fn smallest_at(&mut self, n: usize, lambda: f64) -> f64 {
+        self.write_rest(n, lambda);
+        self.smallest_of_rest()
+    }
+
+    fn smallest_of_rest(&mut self) -> f64 {
+        let Self { gram, narrow, wide, kept, .. } = self;
+        smallest_of_any(gram, *kept, narrow, wide)
+    }
+
+    /// Writes S(λ) = diag(c²) + A C P⁻¹ C Aᵀ over the kept rows into `gram`, with P = I + Σ_R (C a)(C a)ᵀ/(c² − λ).
+    fn write_rest(&mut self, n: usize, lambda: f64) {
+        let Self { gram, factor, sorted, scaled, kept, .. } = self;
         refill(factor, (0..n * n).map(|at| if at % (n + 1) == 0 { 1.0 } else { 0.0 }));
-        for &row in counted[..rows].iter().filter(|row| is_eliminated(row)) {
-            let (a, weight) = (levels.row(row), 1.0 / rest(row));
-            for i in 0..n {
-                let scaled = weight * a[i] * room[i];
-                for j in 0..=i {
-                    factor[i * n + j] += scaled * a[j] * room[j];
-                }
+        for ((room, _), row) in sorted.iter().zip(scaled.chunks_exact(n)).skip(*kept) {
+            let weight = 1.0 / (room - lambda).max(f64::EPSILON * room);
+            for (i, entries) in factor.chunks_exact_mut(n).enumerate() {
+                let scaled = weight * row[i];
+                entries[..=i].iter_mut().zip(row).for_each(|(entry, other)| *entry += scaled * other);
             }
         }
-        if !exceeds(factor, n, 0.0) {
-            return false;
-        }
-        // u = L⁻¹ C a for each other row, one after the other in `gram`.
-        gram.clear();
-        let others = || counted[..rows].iter().copied().filter(|row| !is_eliminated(row));
-        for row in others() {
-            let start = gram.len();
+        // P is at least I.
+        exceeds(factor, n, 0.0);
+        // u = L⁻¹ C a for each kept row, behind S.
+        let count = *kept;
+        refill(gram, std::iter::repeat_n(0.0, count * (count + n)));
+        let (rest, solved) = gram.split_at_mut(count * count);
+        for (u, row) in solved.chunks_exact_mut(n).zip(scaled.chunks_exact(n)) {
             for i in 0..n {
-                let known: f64 = (0..i).map(|j| factor[i * n + j] * gram[start + j]).sum();
-                gram.push((levels.row(row)[i] * room[i] - known) / factor[i * n + i]);
+                u[i] = (row[i] - dot(&factor[i * n..][..i], &u[..i])) / factor[i * n + i];
             }
         }
-        let count = gram.len() / n;
-        refill(factor, std::iter::repeat_n(0.0, count * count));
-        for (i, row) in others().enumerate() {
+        for i in 0..count {
             for j in 0..=i {
-                factor[i * count + j] = dot(&gram[i * n..][..n], &gram[j * n..][..n]);
+                let product = dot(&solved[i * n..][..n], &solved[j * n..][..n]);
+                let sum = product + if i == j { sorted[i].0 } else { 0.0 };
+                (rest[i * count + j], rest[j * count + i]) = (sum, sum);
             }
-            factor[i * count + i] += rest(row);
         }
-        exceeds(factor, count, 0.0)
+        gram.truncate(count * count);
     }
 }
 
@@ -175,6 +209,16 @@ impl Regularity {
 fn smooth(ratio: f64) -> f64 {
     let ratio = ratio.min(1.0);
     ratio * ratio * (3.0 - 2.0 * ratio)
+}
+
+/// Returns the smallest eigenvalue of a Gram matrix; `narrow` and `wide` are room.
+fn smallest_of_any(gram: &[f64], size: usize, narrow: &mut Vec<Row<8>>, wide: &mut Vec<Row<40>>) -> f64 {
+    match size {
+        0..=8 => smallest_of(gram, size, narrow),
+        9..=40 => smallest_of(gram, size, wide),
+        // This allocates.
+        _ => Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min(),
+    }
 }
 
 /// Returns the smallest eigenvalue of a Gram matrix of up to N rows; `rows` is room.
@@ -196,7 +240,7 @@ fn exceeds(matrix: &mut [f64], size: usize, bound: f64) -> bool {
     for i in 0..size {
         matrix[i * size + i] -= bound;
         for j in 0..=i {
-            let sum: f64 = (0..j).map(|l| matrix[i * size + l] * matrix[j * size + l]).sum();
+            let sum = dot(&matrix[i * size..][..j], &matrix[j * size..][..j]);
             let rest = matrix[i * size + j] - sum;
             matrix[i * size + j] = if i > j {
                 rest / matrix[j * size + j]
@@ -226,7 +270,7 @@ mod tests {
 
     /// Equations and inequality rows, some at their bounds, over joints, some of which have no room.
     #[test]
-    fn bisection_and_the_gram_matrix_give_the_same_regularity() {
+    fn elimination_of_rows_and_the_gram_matrix_give_the_same_regularity() {
         let mut number = numbers();
         let (n, threshold) = (6, 0.3);
         let mut between = 0;
@@ -252,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_threshold_that_is_hardly_a_number_ends_the_bisection() {
+    fn a_threshold_that_is_hardly_a_number_gives_no_regularity() {
         let mut levels = Hierarchy::default();
         levels.clear(&[0.0]);
         levels.push_row([0.0], Demand::between(0.0, 1.0, None));
