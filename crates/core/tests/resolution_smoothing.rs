@@ -137,7 +137,7 @@ fn part(levels: &[Level], kept: usize, limits: &VelocityBox, free: &Vector, max_
     })
 }
 
-/// The blend from X_0 to X_K, and how many problems it takes.
+/// The blend from X_0 to X_K, and how many problems it takes at least: parts without weight need not be known.
 fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Damping) -> (Vector, usize) {
     let exact = solve(levels, limits, reference, None).joint_velocity;
     let unlimited = VelocityBox::unbounded(N);
@@ -152,7 +152,7 @@ fn blend(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Da
         let x = part(levels, kept, limits, &free, damping.max_factor());
         weights.push(if kept == 0 { 1.0 } else { weight(&levels[..kept], limits, &x, damping.threshold()) });
         parts.push(x);
-        problems += levels.len() - kept;
+        problems += if weights[weights.len() - 1] > 1e-9 { levels.len() - kept } else { 0 };
     }
     let start = parts[parts.len() - 1].clone();
     let blended = parts.iter().zip(&weights).rev().skip(1).fold(start, |x, (part, weight)| &x + (part - &x) * *weight);

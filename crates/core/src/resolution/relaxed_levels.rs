@@ -81,7 +81,11 @@ impl RelaxedLevels {
             self.guess.clear(levels.unknowns, self.problem.rows.len());
             self.guess.unknowns.copy_from_slice(&self.active.unknowns);
             self.guess.rows[..end].copy_from_slice(&self.active.rows[..end]);
-            engine.solve(&self.problem, Start { guess: Some(&self.guess), is_factorized: false }, found);
+            let reached_from = levels.levels[kept].start;
+            let reached = self.problem.inequalities.iter().filter(|&&row| row >= reached_from).count();
+            // Among many rows that are reached for, most guesses are wrong.
+            let guess = (reached <= levels.unknowns).then_some(&self.guess);
+            engine.solve(&self.problem, Start { guess, is_factorized: false }, found);
             self.active.unknowns.copy_from_slice(&found.working_set.unknowns);
             self.active.rows[..end].copy_from_slice(&found.working_set.rows[..end]);
             certainty.add(&found.certainty);

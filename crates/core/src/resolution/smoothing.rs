@@ -14,10 +14,12 @@ use revprio_problem::{BoundId, Damping, Part};
 
 use super::certified::Record;
 use super::engine::Engine;
-use super::hierarchy::Hierarchy;
+use super::hierarchy::{Hierarchy, Level};
 use super::regularity::Regularity;
 use super::relaxed_levels::RelaxedLevels;
 use super::solution::Solution;
+use crate::linalg::dot;
+use crate::tolerances::TOLERANCES;
 
 /// The workspace of the blend.
 #[derive(Default)]
@@ -42,7 +44,9 @@ impl Smoothing {
         }
         let count = levels.levels.len();
         self.regularity.start(levels);
-        let mut weight = self.regularity.of(levels, count, solution, damping.threshold());
+        let first_unmet = first_unmet_level(levels, solution);
+        let is_unmet = first_unmet.is_some_and(|level| level + 1 < count);
+        let mut weight = if is_unmet { 0.0 } else { self.regularity.of(levels, count, solution, damping.threshold()) };
         if weight == 1.0 {
             return;
         }
@@ -54,7 +58,8 @@ impl Smoothing {
         self.recorded.clear();
         self.recorded.extend(exact);
         let mut part = 0;
-        for kept in (hard..count).rev() {
+        let most = first_unmet.map_or(count, |level| self.most_kept(levels, level, damping)).max(hard);
+        for kept in (hard..count.min(most + 1)).rev() {
             self.weights.push(weight);
             part += 1;
             let found = &mut self.parts[part];
@@ -69,6 +74,13 @@ impl Smoothing {
         if let Some(record) = &mut engine.record {
             record.set_answer(self.recorded_parts());
         }
+    }
+
+    /// Returns the largest k < K whose s_k may be above zero, where `unmet` is the first level that is not met. That level
+    /// itself can be regular by columns only.
+    fn most_kept(&mut self, levels: &Hierarchy, unmet: usize, damping: Damping) -> usize {
+        let determines = self.regularity.column_regularity(levels, unmet + 1, damping.threshold()) > 0.0;
+        unmet + usize::from(determines)
     }
 
     /// Returns the recorded parts of the blend, X_K first, with the weight that each has in the answer.
@@ -97,4 +109,19 @@ impl Smoothing {
         }
         levels.settle(solution, &self.parts[last]);
     }
+}
+
+/// Returns the highest level that leaves a residual above rounding; `None` without one, or if it has damping rows.
+fn first_unmet_level(levels: &Hierarchy, solution: &Solution) -> Option<usize> {
+    let missing = |row: usize| {
+        let (value, demand) = (solution.row_values[row], &levels.rows[row]);
+        (value - demand.upper).max(demand.lower - value)
+    };
+    let speed = dot(&solution.x, &solution.x).sqrt();
+    let is_unmet = |level: &Level| {
+        let most = level.rows().map(missing).fold(0.0, f64::max);
+        most > TOLERANCES.proof_weight * levels.size(level, speed)
+    };
+    let first = levels.levels.iter().position(is_unmet)?;
+    levels.levels[first].rows().all(|row| levels.rows[row].origin.is_some()).then_some(first)
 }
