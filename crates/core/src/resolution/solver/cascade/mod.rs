@@ -176,12 +176,19 @@ impl<const N: usize> Cascade<N> {
             }
             return;
         };
+        let is_first = level == 0 && self.free.len() == n;
         for i in size.start..size.end {
             let row = &mut self.constraints[n + i];
             row.value = self.x.dot(&problem.coefficients[i]);
             row.role = if problem.rows[i].is_equation() { Role::Equation } else { Role::Slack(row.broken()) };
-            if is_active(row.role) {
+            if is_active(row.role) && !is_first {
                 self.add_curvature(&problem.coefficients[i], 1.0);
+            } else if is_active(row.role) {
+                // Free directions are the unknowns themselves.
+                let coefficients = &problem.coefficients[i];
+                for (entries, entry) in self.curvature.iter_mut().zip(coefficients) {
+                    entries.add_scaled(*entry, coefficients);
+                }
             }
         }
     }

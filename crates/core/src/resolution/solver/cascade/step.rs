@@ -1,8 +1,9 @@
 //! The Newton step of a level, and how far it goes.
 
 use super::{Cascade, Constraint, Role};
-use crate::linalg::Row;
+use crate::linalg::{Row, dot};
 use crate::resolution::Side;
+use crate::resolution::solution::refill;
 use crate::resolution::solver::problem_rows::ProblemRows;
 use crate::tolerances::TOLERANCES;
 
@@ -11,28 +12,24 @@ impl<const N: usize> Cascade<N> {
     pub(super) fn newton_step(&mut self) -> Row<N> {
         let d = self.free.len();
         let largest = (0..d).map(|i| self.curvature[i].0[i]).fold(0.0, f64::max);
-        self.factor.clone_from(&self.curvature);
+        refill(&mut self.factor, std::iter::repeat_n(Row::ZERO, d));
         let mut z = Row::<N>::ZERO;
         for (i, direction) in self.free.iter().enumerate() {
             z.0[i] = -direction.dot(&self.gradient);
         }
         // Cholesky's factorisation row by row: L Lᵀ, with rows of zeros where there is no curvature.
-        for i in 0..d {
+        for (i, curvature) in self.curvature.iter().enumerate() {
             let (before, rest) = self.factor.split_at_mut(i);
-            let row = &mut rest[0];
+            let row = &mut rest[0].0;
             for (j, other) in before.iter().enumerate() {
-                let mut head = Row::<N>::ZERO;
-                head.0[..j].copy_from_slice(&row.0[..j]);
-                row.0[j] = (row.0[j] - head.dot(other)) * other.0[j];
+                row[j] = (curvature.0[j] - dot(&row[..j], &other.0[..j])) * other.0[j];
             }
-            let mut head = Row::<N>::ZERO;
-            head.0[..i].copy_from_slice(&row.0[..i]);
-            let pivot = row.0[i] - head.dot(&head);
+            let head = &row[..i];
+            let pivot = curvature.0[i] - dot(head, head);
             // The reciprocal pivot stands on the diagonal.
             let inverse = if pivot > TOLERANCES.cascade_flat * largest { 1.0 / pivot.sqrt() } else { 0.0 };
-            z.0[i] = (z.0[i] - head.dot(&z)) * inverse;
-            *row = head;
-            row.0[i] = inverse;
+            z.0[i] = (z.0[i] - dot(head, &z.0[..i])) * inverse;
+            row[i] = inverse;
         }
         for i in (0..d).rev() {
             z.0[i] *= self.factor[i].0[i];
