@@ -3,8 +3,7 @@
 //! Everything is evaluated with the rows of the problem, not with those of the factorisation. Section numbers refer to
 //! `docs/solver.md`.
 
-use super::dependent_rows::DependentRows;
-use super::factorization::{Factorization, Span};
+use super::factorization::Factorization;
 use super::problem_rows::ProblemRows;
 use crate::linalg::Row;
 use crate::resolution::solution::{WorkingSet, refill};
@@ -45,7 +44,7 @@ pub struct Conditions<const N: usize> {
     /// Size of the terms whose sum a multiplier is: of unknowns, and of rows times their length.
     sizes: Row<N>,
     row_sizes: Vec<f64>,
-    dependent: DependentRows<N>,
+    scratch: Vec<f64>,
 }
 
 impl<const N: usize> Conditions<N> {
@@ -213,10 +212,10 @@ impl<const N: usize> Conditions<N> {
             g = solved.reference.minus(&solved.y);
             (norm, length, end) = (1.0, h.norm(), solved.rows.len());
         } else {
-            let Span { start, first, .. } = solved.spans[k];
+            let start = solved.spans[k].start;
             (h, g, norm, end) = (Row::ZERO, Row::ZERO, problem.levels[k].norm, solved.spans[k].end);
             if let Some(dependent) = dependent {
-                DependentRows::write_left_null_vector(solved.level(k), first, dependent, w);
+                solved.dependent[k].write_left_null_vector(solved.level(k), dependent, w);
             } else {
                 solved.rows[start..end].iter().for_each(|row| w[row.index] = row.residual);
             }
@@ -239,7 +238,7 @@ impl<const N: usize> Conditions<N> {
                 sum += multiplier.abs();
             }
             if !dependents.is_empty() {
-                self.dependent.shorten_multipliers((pivots, dependents), first, w, &mut g);
+                solved.dependent[level].shorten_multipliers((pivots, dependents), w, &mut g, &mut self.scratch);
                 sum = pivots.iter().chain(dependents).map(|row| w[row.index].abs()).sum();
             }
             amount += sum * problem.levels[level].norm;

@@ -77,7 +77,8 @@ pub struct Factorization<const N: usize> {
     pub peak_speed: f64,
     /// The largest rank that singular values allow each level; empty until they have lowered one.
     max_rank: Vec<usize>,
-    dependent: DependentRows<N>,
+    /// Per level; those of levels with pivots and dependent rows are factorised.
+    pub dependent: Vec<DependentRows<N>>,
     /// Of a level's pivots over its own coordinates.
     singular: SingularValues,
 }
@@ -141,6 +142,7 @@ impl<const N: usize> Factorization<N> {
         self.pivots.clear();
         self.y = Row::ZERO;
         let has_inequalities = !problem.inequalities.is_empty();
+        self.dependent.resize_with(problem.levels.len().max(self.dependent.len()), DependentRows::default);
         // Written in place: the rows are as many as in the call before.
         self.rows.resize_with(problem.rows.len(), FactorRow::default);
         let (mut free_rows, mut end) = (self.rows.iter_mut(), 0);
@@ -285,6 +287,9 @@ impl<const N: usize> Factorization<N> {
         let Span { start, pivots_end, end, first, target, .. } = self.spans[k];
         let (rows, lower_rows) = self.rows.split_at_mut(end);
         let (pivots, dependents) = rows[start..].split_at_mut(pivots_end - start);
+        if !pivots.is_empty() {
+            self.dependent[k].factorize(pivots, dependents, first);
+        }
         let rounding = TOLERANCES.rounding * (target + problem.levels[k].norm * (self.base_norm + self.y.norm()));
         if dependents.iter().all(|row| row.residual.abs() <= rounding) {
             for row in dependents {
@@ -296,7 +301,7 @@ impl<const N: usize> Factorization<N> {
         if pivots.is_empty() {
             return;
         }
-        let change = self.dependent.solve(pivots, dependents, first);
+        let change = self.dependent[k].solve(pivots, dependents);
         // Targets that contradict each other cancel in the change, and leave their rounding.
         let asked = target / problem.levels[k].norm;
         self.peak_speed = self.peak_speed.max(self.base_norm + self.y.norm() + change.norm()).max(asked);
