@@ -153,7 +153,8 @@ fn member(name: Bound, coefficients: &[f64], bound: f64, weight: f64, side: Side
 fn reduce(members: &mut Vec<Member>) {
     let mut basis = Basis::new(members.first().map_or(0, |member| member.coefficients.len()));
     let size = members.iter().fold(0.0, |size, member| f64::max(size, member.bound.abs()));
-    for next in 0..members.len() {
+    // Joints are last: their unit vectors make the inverse sparse.
+    for next in (0..members.len()).rev() {
         basis.decompose(&members[next].coefficients);
         if basis.add(next) {
             continue;
@@ -230,7 +231,7 @@ impl Basis {
         let n = t.len();
         members[place] = Some(member);
         row.iter_mut().zip(&inverse[place * n..]).for_each(|(own, entry)| *own = entry / t[place]);
-        for (other, factor) in inverse.chunks_exact_mut(n).zip(&*t) {
+        for (other, factor) in inverse.chunks_exact_mut(n).zip(&*t).filter(|(_, factor)| **factor != 0.0) {
             other.iter_mut().zip(&*row).for_each(|(entry, own)| *entry -= factor * own);
         }
         inverse[place * n..][..n].copy_from_slice(row);
