@@ -109,6 +109,7 @@ impl PlanRun {
         refill(&mut self.scaling, std::iter::repeat_n(Scaling::Off, scaled));
         refill(&mut self.scales, std::iter::repeat_n(None, scaled));
         self.contradictions.clear();
+        self.smoothing.clear();
     }
 
     /// Keeps the directions of scaled tasks, and names the demands that the last step cannot keep together.

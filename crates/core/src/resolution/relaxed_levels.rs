@@ -16,6 +16,11 @@ const KEPT: f64 = 60.0;
 /// Weight of the highest task while it is reached for, relative to that of a lower task.
 const FIRST: f64 = 2.0;
 
+/// Work of all problems of one answer, in entries of rows, relative to the square of the number of joints: 12,800 rows of 32
+/// joints. Fewer joints than [`FEW_JOINTS`] count as many.
+const MAX_WORK: usize = 400;
+const FEW_JOINTS: usize = 32;
+
 /// The workspace of the answers X_k.
 #[derive(Default)]
 pub struct RelaxedLevels {
@@ -29,11 +34,24 @@ pub struct RelaxedLevels {
     /// τ: how much of the way from the middle of the box to x^f is in the box.
     scale: f64,
     guess: WorkingSet,
+    /// Work of all problems so far, in entries of rows.
+    work: usize,
     /// The bounds that are active in the last answer, with the rows of the exact problem.
     active: WorkingSet,
 }
 
 impl RelaxedLevels {
+    /// Begins an answer.
+    pub fn clear(&mut self) {
+        self.work = 0;
+    }
+
+    /// Returns whether X_k and X_hard can both be computed without more work than an answer may take.
+    pub fn has_time_for(&self, levels: &Hierarchy, kept: usize) -> bool {
+        let chain = |first: usize| (first..levels.levels.len()).map(|level| work(levels, level)).sum::<usize>();
+        self.work + chain(kept) + chain(self.hard) <= most_work(levels)
+    }
+
     /// Computes x^f and τ.
     pub fn start(&mut self, levels: &Hierarchy, hard: usize, engine: &mut Engine, exact: &Solution) {
         self.hard = hard;
@@ -59,7 +77,8 @@ impl RelaxedLevels {
     }
 
     /// Computes X_k, k = `kept`: the first k levels exactly, then one problem for each level below. It stays near the answer of
-    /// the problem before, and nearer in what the levels between have achieved.
+    /// the problem before, and nearer in what the levels between have achieved. Levels that would take too much work are not reached
+    /// for, and the answer is then not certain.
     pub fn solve(
         &mut self,
         levels: &Hierarchy,
@@ -75,6 +94,11 @@ impl RelaxedLevels {
         refill(&mut self.near, self.free.x.iter().zip(levels.bounds()).map(near));
         let mut certainty = Certainty::default();
         for level in kept..levels.levels.len() {
+            self.work += work(levels, level);
+            if self.work > most_work(levels) && level > kept {
+                certainty.is_optimal = false;
+                break;
+            }
             self.write(levels, kept, level, 1.0 + 1.0 / damping.max_factor());
             // The first rows are those of the exact problem, some of them with other bounds.
             let end = levels.levels[level].end;
@@ -117,6 +141,15 @@ impl RelaxedLevels {
         problem.push_near(1.0, near);
         problem.end_level();
     }
+}
+
+/// Returns the work of the problem that reaches for a level.
+fn work(levels: &Hierarchy, level: usize) -> usize {
+    levels.unknowns * (2 * levels.unknowns + levels.levels[level].end)
+}
+
+fn most_work(levels: &Hierarchy) -> usize {
+    MAX_WORK * levels.unknowns.max(FEW_JOINTS).pow(2)
 }
 
 /// Adds rows of the levels with a weight. With a point and a part τ, equations aim at b + τ (a·point − b), and bounds that the

@@ -33,6 +33,11 @@ pub struct Smoothing {
 }
 
 impl Smoothing {
+    /// Begins an answer, which may take several problems of a plan.
+    pub fn clear(&mut self) {
+        self.relaxed.clear();
+    }
+
     /// Replaces the exact solution X_K of a planned problem by the blend, if damping acts on what its limits leave.
     pub fn apply(&mut self, levels: &Hierarchy, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
         let first = levels.rows.first().and_then(|row| row.origin);
@@ -60,6 +65,10 @@ impl Smoothing {
         let mut part = 0;
         let most = first_unmet.map_or(count, |level| self.most_kept(levels, level, damping)).max(hard);
         for kept in (hard..count.min(most + 1)).rev() {
+            if kept > hard && !self.relaxed.has_time_for(levels, kept) {
+                solution.certainty.is_optimal = false;
+                continue;
+            }
             self.weights.push(weight);
             part += 1;
             let found = &mut self.parts[part];

@@ -7,7 +7,7 @@ use super::primal::PrimalPoint;
 use super::problem_rows::ProblemRows;
 use super::rungs::{Rung, Rungs};
 use super::search::Search;
-use crate::linalg::all_finite;
+use crate::linalg::{Row, all_finite};
 use crate::resolution::Side;
 use crate::resolution::solution::{Certainty, Solution, Start, WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
@@ -19,8 +19,18 @@ const GUESSED_TRIALS: u32 = 3;
 /// decides whether a bound that is met exactly is active.
 const MAX_CORRECTIONS: u32 = 3;
 
-/// Working sets after which the solver gives up.
+/// Working sets after which an attempt gives up: the most of them, and the fewest where each is expensive.
 const MAX_SETS: u32 = 400;
+const LEAST_SETS: u32 = 10;
+
+/// Work after which it gives up, in entries of the rows of all its sets: ten sets of 512 rows and 32 unknowns.
+const MAX_WORK: usize = 200_000;
+
+/// Returns the number of working sets after which an attempt gives up.
+fn most_sets(unknowns: usize, rows: usize) -> u32 {
+    let work = (unknowns * (unknowns + rows)).max(1);
+    u32::try_from(MAX_WORK / work).map_or(MAX_SETS, |sets| sets.clamp(LEAST_SETS, MAX_SETS))
+}
 
 /// The solver for problems of up to N unknowns; it keeps its memory from call to call.
 #[derive(Debug, Default)]
@@ -32,6 +42,8 @@ pub struct ActiveSetSolver<const N: usize> {
     pub conditions: Conditions<N>,
     search: Search<N>,
     cascade: Cascade<N>,
+    /// Where the cascade ended in this attempt.
+    cascade_point: Option<Row<N>>,
     primal: PrimalPoint<N>,
     /// How often each way to a working set was needed so far.
     pub rungs: Rungs,
@@ -136,6 +148,8 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution: &mut Solution,
     ) -> bool {
         self.start_from(problem, guess);
+        self.cascade_point = None;
+        let most = most_sets(problem.unknowns, problem.rows.len());
         let (mut source, mut tried, mut met_uncertain_rank) = (Source::Guess, 0, false);
         loop {
             tried += 1;
@@ -157,7 +171,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             let is_open = source == Source::Guess && set.is_empty() && !conditions.are_met();
             if !is_open {
                 conditions.check_levels(trial);
-                if self.conditions.are_met() || tried >= MAX_SETS {
+                if self.conditions.are_met() || tried >= most {
                     break;
                 }
             }
@@ -226,7 +240,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     }
 
     fn start_cascade(&mut self, problem: &ProblemRows<N>) -> Source {
-        self.cascade.propose(problem, &mut self.set);
+        self.cascade_point = Some(self.cascade.propose(problem, &mut self.set));
         Source::Cascade(0)
     }
 
@@ -270,10 +284,12 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
     }
 
-    /// Writes the answer; the box holds to the last bit.
+    /// Writes the answer; the box holds to the last bit. Without a right working set, it is the point at which the cascade has
+    /// ended: no level has lost what it reached for the sake of a lower one.
     fn write(&self, problem: &ProblemRows<N>, solution: &mut Solution, tried: u32) {
         let Self { set, solved, conditions, .. } = self;
-        let x = solved.x.clamp(&problem.lower, &problem.upper);
+        let x = self.cascade_point.filter(|_| !conditions.are_met()).unwrap_or(solved.x);
+        let x = x.clamp(&problem.lower, &problem.upper);
         let n = problem.unknowns;
         refill(&mut solution.x, x.0[..n].iter().copied());
         if x == solved.x {
@@ -284,6 +300,11 @@ impl<const N: usize> ActiveSetSolver<N> {
         solution.working_set.copy_from(set);
         refill(&mut solution.multipliers, conditions.multipliers.0[..n].iter().copied());
         solution.row_multipliers.clone_from(&conditions.row_multipliers);
+        if self.cascade_point.is_some() && !conditions.are_met() {
+            // They belong to another point.
+            solution.multipliers.fill(0.0);
+            solution.row_multipliers.fill(0.0);
+        }
         solution.certainty = Certainty {
             is_optimal: conditions.are_met() && all_finite(&x.0),
             rank_uncertain: solved.rank_uncertain,
@@ -301,3 +322,6 @@ fn corrected(side: Option<Side>, is_above: bool) -> Option<Side> {
         None => Some(Side::Lower),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -87,6 +87,11 @@ impl RandomSet {
         Self { hierarchy, set, solved }
     }
 
+    /// Returns the data of the problem.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
     /// Returns the problem.
     pub fn problem(&self) -> ProblemRows<'_, WIDTH> {
         ProblemRows::new(&self.hierarchy)

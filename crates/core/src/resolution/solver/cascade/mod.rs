@@ -15,8 +15,19 @@ use crate::resolution::Side;
 use crate::resolution::solution::{WorkingSet, refill};
 use crate::tolerances::TOLERANCES;
 
-/// Steps over all levels, for each unknown and each row. Random problems take at most one.
+/// Steps over all levels, for each unknown and each row: the most, and the fewest where each is expensive. Random problems take
+/// at most one.
 const MOST_STEPS: usize = 10;
+const LEAST_STEPS: usize = 1;
+
+/// Entries of the rows from which on [`LEAST_STEPS`] are taken.
+const EXPENSIVE: usize = 20_000;
+
+/// Returns the number of steps after which the point stays where it is.
+fn most_steps(unknowns: usize, rows: usize) -> usize {
+    let work = (unknowns * (unknowns + rows)).max(1);
+    (EXPENSIVE / work).clamp(LEAST_STEPS, MOST_STEPS) * (unknowns + rows + 10)
+}
 
 /// A bound that the path met: it holds its unknown or row, until its multiplier points inwards.
 #[derive(Debug, Clone, Copy)]
@@ -131,8 +142,8 @@ impl<const N: usize> Cascade<N> {
         self.later.reserve(N + 1);
     }
 
-    /// Proposes a working set.
-    pub fn propose(&mut self, problem: &ProblemRows<N>, set: &mut WorkingSet) {
+    /// Proposes a working set; returns the point at which it ends, inside the box.
+    pub fn propose(&mut self, problem: &ProblemRows<N>, set: &mut WorkingSet) -> Row<N> {
         self.start(problem);
         for level in 0..=problem.levels.len() {
             self.start_level(problem, level);
@@ -144,6 +155,7 @@ impl<const N: usize> Cascade<N> {
             self.finish_level(problem, level, size);
         }
         self.write(problem, set);
+        self.x
     }
 
     fn start(&mut self, problem: &ProblemRows<N>) {
@@ -163,7 +175,7 @@ impl<const N: usize> Cascade<N> {
         refill(&mut self.free, (0..n).filter(|&j| !problem.is_pinned(j)).map(unit));
         self.held.clear();
         self.idle = 0;
-        self.steps_left = MOST_STEPS * (n + problem.rows.len() + 10);
+        self.steps_left = most_steps(n, problem.rows.len());
     }
 
     /// Gives the rows of the level their roles, and sets its curvature.
