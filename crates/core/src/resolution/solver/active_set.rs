@@ -223,18 +223,14 @@ impl<const N: usize> ActiveSetSolver<N> {
                 Source::Cascade(corrections + 1)
             }
             Source::Cascade(_) => self.start_primal(problem),
-            // Sets repeat: another size may count as rounding.
-            Source::Primal(used)
-                if self.primal.steps > 2 * (problem.unknowns + problem.rows.len())
-                    && used < TOLERANCES.other_roundings.len() =>
-            {
-                self.primal.steps = 0;
-                self.step_primal(problem);
-                Source::Primal(used + 1)
-            }
             Source::Primal(used) => {
+                // Where sets repeat, another size may count as rounding.
+                let changes = used < TOLERANCES.other_roundings.len() && self.primal.repeats(&self.set);
+                if changes {
+                    self.primal.forget_sets();
+                }
                 self.step_primal(problem);
-                Source::Primal(used)
+                Source::Primal(used + usize::from(changes))
             }
         }
     }

@@ -17,17 +17,34 @@ enum Blocking {
 /// A feasible point whose level values never get worse.
 #[derive(Debug, Default)]
 pub struct PrimalPoint<const N: usize> {
-    point: Option<Row<N>>,
+    pub(super) point: Option<Row<N>>,
     /// Whether the last step had length zero.
     is_stuck: bool,
-    /// Steps so far.
-    pub steps: usize,
+    /// The sets since the last call of [`Self::forget_sets`], as hashes.
+    visited: Vec<u64>,
 }
+
+/// How often a set may come back. A point that moves may meet one again; a circle has no end.
+const MOST_RETURNS: usize = 2;
 
 impl<const N: usize> PrimalPoint<N> {
     /// Forgets the point.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        (self.point, self.is_stuck) = (None, false);
+        self.visited.clear();
+    }
+
+    /// Notes the present set; returns whether sets repeat.
+    pub fn repeats(&mut self, set: &WorkingSet) -> bool {
+        let present = hash(set);
+        let returns = self.visited.iter().filter(|visited| **visited == present).count();
+        self.visited.push(present);
+        returns > MOST_RETURNS
+    }
+
+    /// Begins to look for repetitions once more.
+    pub fn forget_sets(&mut self) {
+        self.visited.clear();
     }
 
     /// Changes the working set by one step of the method (section 6).
@@ -56,8 +73,20 @@ impl<const N: usize> PrimalPoint<N> {
             self.point = Some(solved.x.clamp(&problem.lower, &problem.upper));
             release(conditions, set, self.is_stuck);
         }
-        self.steps += 1;
     }
+}
+
+/// Returns a number that differs for different sets (FNV-1a).
+fn hash(set: &WorkingSet) -> u64 {
+    let sides = set.unknowns.iter().chain(&set.rows);
+    sides.fold(0xcbf2_9ce4_8422_2325, |hash, side| {
+        let side = match side {
+            None => 0,
+            Some(Side::Lower) => 1,
+            Some(Side::Upper) => 2,
+        };
+        (hash ^ side).wrapping_mul(0x0100_0000_01b3)
+    })
 }
 
 /// Holds what is at its bound at the start and active or pushed outwards, and the rows broken there; returns whether the
