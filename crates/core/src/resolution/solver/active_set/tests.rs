@@ -1,4 +1,4 @@
-//! What an answer is whose working set is not found in time.
+//! What each way to a working set finds alone, and what an answer is whose working set is not found in time.
 
 use super::*;
 use crate::resolution::hierarchy::Hierarchy;
@@ -43,4 +43,85 @@ fn without_a_right_working_set_the_answer_has_the_least_slack_in_the_order_of_th
 #[test]
 fn an_attempt_ends_after_ten_working_sets_of_512_rows_and_after_400_small_ones() {
     assert_eq!([(7, 40), (32, 100), (32, 512), (128, 512)].map(|(n, m)| most_sets(n, m)), [400, 47, 11, 10]);
+}
+
+const PROBLEMS: u64 = 1000;
+
+impl ActiveSetSolver<WIDTH> {
+    /// Factorises on the present set and returns whether it is the right one.
+    fn is_right(&mut self, problem: &ProblemRows<WIDTH>) -> bool {
+        let Self { set, solved, conditions, .. } = self;
+        solved.solve(problem, set);
+        let trial = Trial { problem, set, solved };
+        conditions.check_point(trial, TOLERANCES.rounding);
+        conditions.check_levels(trial);
+        self.conditions.are_met()
+    }
+}
+
+/// Returns in how many problems `way` finds the right set from the empty one.
+fn right_sets(way: impl Fn(&mut ActiveSetSolver<WIDTH>, &ProblemRows<WIDTH>)) -> usize {
+    let mut solver = ActiveSetSolver::<WIDTH>::default();
+    let found = (0..PROBLEMS).filter(|&seed| {
+        let random = RandomSet::new(seed);
+        let problem = random.problem();
+        solver.factorize(&problem);
+        way(&mut solver, &problem);
+        solver.is_right(&problem)
+    });
+    found.count()
+}
+
+#[test]
+fn the_search_alone_finds_six_of_seven_right_sets() {
+    let right = right_sets(|solver, problem| {
+        let ActiveSetSolver { search, solved, set, .. } = solver;
+        search.propose(problem, solved, TOLERANCES.search_spacing, set);
+    });
+    assert!(right >= 860, "{right}");
+}
+
+#[test]
+fn the_cascade_alone_finds_every_right_set() {
+    let right = right_sets(|solver, problem| {
+        solver.start_cascade(problem);
+    });
+    assert_eq!(right, 1000);
+}
+
+/// Returns whether the first slack that differs is smaller, or none differs.
+fn is_no_worse(slacks: &[f64], before: &[f64]) -> bool {
+    let differs = |(now, before): &(&f64, &f64)| (*now - *before).abs() > 1e-9 * (1.0 + *before);
+    slacks.iter().zip(before).find(differs).is_none_or(|(now, before)| now < before)
+}
+
+#[test]
+fn the_primal_method_alone_ends_at_the_answer_and_no_slack_rises_on_the_way() {
+    let (mut solver, mut exact) = (ActiveSetSolver::<WIDTH>::default(), Solution::default());
+    let (mut arrived, mut steps) = (0_u64, 0);
+    for seed in 0..PROBLEMS {
+        let random = RandomSet::new(seed);
+        let problem = random.problem();
+        solver.solve(&problem, Start::default(), &mut exact);
+        solver.start_from(&problem, Some(&random.set));
+        solver.primal.clear();
+        let mut before: Option<Vec<f64>> = None;
+        for _ in 0..60 {
+            if solver.is_right(&problem) {
+                arrived += 1;
+                let off = exact.x.iter().zip(&solver.solved.x.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-8 || exact.certainty.rank_uncertain, "seed {seed}: {off}");
+                break;
+            }
+            solver.step_primal(&problem);
+            steps += 1;
+            let point = solver.primal.point.expect("a step sets it");
+            let inside = point.clamp(&problem.lower, &problem.upper);
+            assert!(inside == point, "seed {seed}");
+            let slacks = slacks(random.hierarchy(), &point.0[..problem.unknowns]);
+            assert!(before.is_none_or(|before| is_no_worse(&slacks, &before)), "seed {seed}");
+            before = Some(slacks);
+        }
+    }
+    assert!(arrived == PROBLEMS && steps <= 6000, "{arrived} of {PROBLEMS} in {steps} steps");
 }
