@@ -130,13 +130,15 @@ impl Regularity {
         }
         let (mut low, mut high) = (0.0_f64, most);
         let (mut last, mut missing) = (most, self.smallest_of_rest() - most);
-        let mut next = (most + missing).max(0.0);
+        // Neither rounding nor a number that is none leaves the interval.
+        let inside = |lambda: f64, low: f64, high: f64| lambda.max(low).min(high);
+        let mut next = inside(most + missing, 0.0, most);
         for _ in 0..MAX_SECANTS {
             let excess = self.smallest_at(n, next) - next;
             (low, high) = if excess > 0.0 { (next, high.min(next + excess)) } else { (low.max(next + excess), next) };
             let slope = (excess - missing) / (next - last);
             (last, missing) = (next, excess);
-            next = (last - excess / slope).clamp(low, high);
+            next = inside(last - excess / slope, low, high);
             if excess.abs() <= 4.0 * f64::EPSILON * most || next == last || slope.is_nan() {
                 break;
             }
@@ -293,6 +295,24 @@ mod tests {
             between += u32::from(0.01 < expected && expected < 0.99);
         }
         assert!(between > 30, "{between}");
+    }
+
+    #[test]
+    fn rows_beyond_the_range_of_numbers_end_the_secants() {
+        let mut levels = Hierarchy::default();
+        levels.clear(&[0.0; 2]);
+        for row in [[1e200, 0.0], [0.0, 1e200], [1e-200, 1e200]] {
+            levels.push_row(row, Demand::between(0.0, 1.0, None));
+        }
+        levels.end_level();
+        let mut regularity = Regularity {
+            room: vec![1.0; 2],
+            row_room: vec![0.0, 0.0, 0.5],
+            counted: (0..3).collect(),
+            ..Regularity::default()
+        };
+        let found = regularity.regularity_of_many(&levels, 3, 1.0);
+        assert!((0.0..=1.0).contains(&found), "{found}");
     }
 
     #[test]
