@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
+use super::built_in_shapes::with_built_in_shapes;
 use super::{DescriptionError, RobotModel, UrdfError, UrdfOptions, UrdfTreeOptions, from_json, from_toml};
 
 /// Why a robot file is refused.
@@ -105,7 +106,7 @@ pub fn built_in() -> &'static [Arc<RobotModel>] {
         const VALID: &str = "the tests read every built-in robot";
         let from_urdf = |(text, description): &(&str, &str)| {
             let options = UrdfOptions { description: Some(description), ..UrdfOptions::default() };
-            Arc::new(RobotModel::from_urdf(text, &options).expect(VALID))
+            Arc::new(with_built_in_shapes(RobotModel::from_urdf(text, &options).expect(VALID)))
         };
         let sawyer_dh = Arc::new(from_toml(SAWYER_DH).expect(VALID));
         std::iter::once(sawyer_dh).chain(URDF.iter().map(from_urdf)).collect()

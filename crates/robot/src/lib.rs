@@ -11,6 +11,7 @@
 //! | read a robot from a file (`.urdf`, `.toml`, `.json`) | [`from_file`] |
 //! | compute tool pose and Jacobian at a posture | [`kinematics::Configuration`] |
 //! | compute pose, Jacobian and twist of a point of any link | [`kinematics::LinkPoint`] |
+//! | cover links by capsules and measure their distances | [`collision`] |
 //! | measure how near the joints are to their position limits | [`kinematics::joint_limit_index`] |
 //! | describe a set-point over time | [`profile::Profile`] |
 //!
@@ -38,6 +39,8 @@
 //! ```
 
 mod assembly;
+mod built_in_shapes;
+pub mod collision;
 mod denavit_hartenberg;
 mod description;
 mod file;
@@ -52,6 +55,7 @@ mod moving_joint;
 mod overrides;
 pub mod profile;
 mod selection;
+mod shape;
 mod tree;
 mod tree_description;
 mod urdf;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::IsometryMatrix3;
 
 use super::assembly::assemble;
+use super::shape::CollisionModel;
 use super::tree::{Tree, is_finite};
 use super::{ChainSelection, Joint, Link, LinkId, ModelError, MovingJoint, Tip, TreeDescription};
 
@@ -19,6 +20,7 @@ pub struct RobotModel {
     joints: Vec<Joint>,
     tree: Arc<Tree>,
     selection: Option<Arc<ChainSelection>>,
+    collision: Option<Arc<CollisionModel>>,
 }
 
 impl RobotModel {
@@ -48,7 +50,7 @@ impl RobotModel {
             }
         }
         let tree = Arc::new(Tree::serial(&joints, &tool));
-        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None })
+        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None, collision: None })
     }
 
     /// Builds and checks a robot from the description of its tree.
@@ -59,7 +61,7 @@ impl RobotModel {
     ) -> Result<Self, ModelError> {
         let (joints, tree) = assemble(tree)?;
         let tree = Arc::new(tree);
-        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None })
+        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None, collision: None })
     }
 
     /// Returns the same robot with a note about the chain that it was read from.
@@ -70,6 +72,17 @@ impl RobotModel {
     /// Returns which chain of the description the robot is; `None` if it is all of the description.
     pub fn selection(&self) -> Option<&ChainSelection> {
         self.selection.as_deref()
+    }
+
+    /// Returns the same robot with shapes that were built for it.
+    #[must_use]
+    pub(crate) fn with_collision(self, collision: CollisionModel) -> Self {
+        Self { collision: Some(Arc::new(collision)), ..self }
+    }
+
+    /// Returns the shapes of the robot; `None`: none are known.
+    pub fn collision(&self) -> Option<&Arc<CollisionModel>> {
+        self.collision.as_ref()
     }
 
     /// Returns the same robot under another name.

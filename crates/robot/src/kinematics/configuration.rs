@@ -181,6 +181,27 @@ impl Configuration {
             .map(move |mover| mover.column(&self.tree, &self.frames, &position))
     }
 
+    /// Returns the frames that the moving joints move, in the base frame.
+    pub(crate) fn moved_frames(&self) -> impl Iterator<Item = IsometryMatrix3<f64>> {
+        self.frames.iter().zip(self.tree.moving()).enumerate().map(|(index, (frame, joint))| {
+            self.tree.forward().moved_frame(index, frame, joint.position(&self.joint_position))
+        })
+    }
+
+    /// Returns the joints (index from 0) that move one of two points relative to the other one, and how fast each of them moves the first
+    /// point away from the second one, base axes; `carriers`: the moving joints that carry them, `points`: base frame, m.
+    pub(crate) fn apart_columns<'a>(
+        &'a self,
+        [first, second]: [Option<usize>; 2],
+        [x, y]: [&'a Vector3<f64>; 2],
+    ) -> impl Iterator<Item = (usize, [f64; 3])> + use<'a> {
+        Mover::between(&self.tree, first, second).map(move |mover| {
+            let point = if mover.moves_carrier() { x } else { y };
+            let (coordinate, [dx, dy, dz, ..]) = mover.column(&self.tree, &self.frames, point);
+            (coordinate, [dx, dy, dz])
+        })
+    }
+
     /// Returns the moving joints that carry the link of a point and the link from which it is seen.
     fn ends(&self, point: &LinkPoint) -> [Option<usize>; 2] {
         [point.link, point.relative_to].map(|link| self.tree.links()[link.index()].joint)

@@ -32,6 +32,11 @@ impl Mover {
         })
     }
 
+    /// Returns whether the joint moves the point, not the link from which the motion is seen.
+    pub(super) fn moves_carrier(&self) -> bool {
+        self.sign > 0.0
+    }
+
     /// Returns the entry of the joint position that moves the joint, and the column it adds for a point (base frame, m).
     #[inline]
     pub(super) fn column(&self, tree: &Tree, frames: &[JointFrame], point: &Vector3<f64>) -> (usize, [f64; 6]) {

@@ -1,0 +1,88 @@
+//! Which pairs of shapes must keep clear of each other.
+
+use super::placed::PlacedBody;
+use crate::kinematics::Configuration;
+use crate::shape::{CollisionModel, LeftOutPair, PairReason, StatedPair, WatchedPair};
+use crate::{LinkId, RobotModel};
+
+/// Number of postures in which a pair must touch to be left out.
+const SAMPLES: usize = 2000;
+
+/// Range of a joint without limits in the sample, rad or m.
+const UNLIMITED: f64 = std::f64::consts::PI;
+
+/// Returns capsules without pairs with those pairs that are watched, and those that are left out.
+pub(super) fn choose_pairs(robot: &RobotModel, model: CollisionModel, stated: &[StatedPair]) -> CollisionModel {
+    let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+    let capsules = model.capsules();
+    for (j, second) in capsules.iter().enumerate() {
+        for (i, first) in capsules[..j].iter().enumerate() {
+            let links = [first.link, second.link];
+            if first.link == second.link {
+                continue;
+            }
+            match reason(robot, stated, links) {
+                Some(reason) => leave_out(&mut left_out, links, reason),
+                None => pairs.push([i, j]),
+            }
+        }
+    }
+    let farthest = farthest(robot, &model, &pairs);
+    for (pair, _) in pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest < 0.0) {
+        leave_out(&mut left_out, pair.map(|capsule| capsules[capsule].link), PairReason::AlwaysTouch);
+    }
+    let watched = pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest >= 0.0);
+    let watched = watched.map(|(pair, farthest)| WatchedPair { capsules: *pair, farthest_m: *farthest }).collect();
+    model.with_pairs(watched, left_out)
+}
+
+fn leave_out(left_out: &mut Vec<LeftOutPair>, links: [LinkId; 2], reason: PairReason) {
+    let pair = LeftOutPair { links, reason };
+    if !left_out.contains(&pair) {
+        left_out.push(pair);
+    }
+}
+
+/// Returns why a pair of links is left out whatever the shapes are.
+fn reason(robot: &RobotModel, stated: &[StatedPair], links: [LinkId; 2]) -> Option<PairReason> {
+    let is_pair = |stated: &&StatedPair| stated.links == links || stated.links == [links[1], links[0]];
+    if let Some(stated) = stated.iter().find(is_pair) {
+        return Some(PairReason::Stated(stated.reason.clone()));
+    }
+    let [first, second] = links.map(|link| robot.links()[link.index()].joint);
+    let parent = |joint: Option<usize>| joint.map(|joint| robot.moving_joints()[joint].parent);
+    let are_neighbours = first == second || parent(first) == Some(second) || parent(second) == Some(first);
+    are_neighbours.then_some(PairReason::Neighbours)
+}
+
+/// Returns the largest distance of each pair in a fixed sample of postures, m.
+fn farthest(robot: &RobotModel, model: &CollisionModel, pairs: &[[usize; 2]]) -> Vec<f64> {
+    let mut farthest = vec![f64::NEG_INFINITY; pairs.len()];
+    let Ok(mut configuration) = Configuration::new(robot, &vec![0.0; robot.joint_count()]) else { return farthest };
+    let mut placed = PlacedBody::new(model, &configuration);
+    let mut position = vec![0.0; robot.joint_count()];
+    for sample in 0..SAMPLES {
+        for (coordinate, joint) in robot.joints().iter().enumerate() {
+            let [lower, upper] =
+                [joint.limits.lower, joint.limits.upper].map(|limit| limit.clamp(-UNLIMITED, UNLIMITED));
+            position[coordinate] = lower + (upper - lower) * spread(sample, coordinate);
+        }
+        if configuration.update(robot, &position).is_err() {
+            continue;
+        }
+        placed.update(model, &configuration);
+        for (farthest, &[i, j]) in farthest.iter_mut().zip(pairs) {
+            let radii = model.capsules()[i].radius + model.capsules()[j].radius;
+            *farthest = farthest.max(placed.core(i).to_segment(placed.core(j)).distance - radii);
+        }
+    }
+    farthest
+}
+
+/// Returns a number of 0 … 1: entry `coordinate` of point `sample` of an additive recurrence, which fills the cube evenly.
+fn spread(sample: usize, coordinate: usize) -> f64 {
+    // Square roots of numbers without square factors are independent over the rationals; those of primes are among them.
+    const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
+    let turn = PRIMES[coordinate % PRIMES.len()].sqrt() * (1.0 + (coordinate / PRIMES.len()) as f64 * 0.618);
+    (0.5 + (sample as f64 + 1.0) * turn).fract()
+}

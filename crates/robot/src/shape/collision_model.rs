@@ -1,0 +1,102 @@
+//! The capsules of a robot and the pairs that must keep clear.
+
+use super::separation::Segment;
+use crate::LinkId;
+
+/// A capsule that a link carries: all points within a radius of a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkCapsule {
+    /// The link that carries it.
+    pub link: LinkId,
+    /// The segment in the frame of the link, m.
+    pub core: Segment,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// A pair of links that the user leaves out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedPair {
+    /// The links.
+    pub links: [LinkId; 2],
+    /// Why, as it was stated; may be empty.
+    pub reason: String,
+}
+
+/// Why a pair is not watched.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PairReason {
+    /// At most one moving joint lies between the links.
+    Neighbours,
+    /// The shapes touch in all of some thousand postures.
+    AlwaysTouch,
+    /// The user says so.
+    Stated(String),
+}
+
+/// A pair of capsules that must keep clear of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WatchedPair {
+    /// Indices of the capsules.
+    pub capsules: [usize; 2],
+    /// Their largest distance in a sample of postures, m.
+    pub farthest_m: f64,
+}
+
+/// A pair of links that is not watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOutPair {
+    /// The links.
+    pub links: [LinkId; 2],
+    /// Why.
+    pub reason: PairReason,
+}
+
+/// The shapes of a robot, and the pairs of them that must keep clear of each other.
+///
+/// [`RobotModel::with_capsules`](crate::RobotModel::with_capsules) builds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CollisionModel {
+    capsules: Vec<LinkCapsule>,
+    /// The moving joint that carries each capsule, and the capsule's segment in the frame that this joint moves, m.
+    carried: Vec<(Option<usize>, Segment)>,
+    pairs: Vec<WatchedPair>,
+    left_out: Vec<LeftOutPair>,
+}
+
+impl CollisionModel {
+    /// Builds a model without pairs from capsules, and their joints with their segments in the frames that these move.
+    pub(crate) fn new(capsules: Vec<LinkCapsule>, carried: Vec<(Option<usize>, Segment)>) -> Self {
+        Self { capsules, carried, pairs: Vec::new(), left_out: Vec::new() }
+    }
+
+    /// Returns the same model with these pairs.
+    pub(crate) fn with_pairs(self, pairs: Vec<WatchedPair>, left_out: Vec<LeftOutPair>) -> Self {
+        Self { pairs, left_out, ..self }
+    }
+
+    /// Returns the capsules.
+    pub fn capsules(&self) -> &[LinkCapsule] {
+        &self.capsules
+    }
+
+    /// Returns the pairs that must keep clear of each other.
+    pub fn pairs(&self) -> &[WatchedPair] {
+        &self.pairs
+    }
+
+    /// Returns the pairs of links that are left out, with the reasons. Pairs of one link with itself are not listed.
+    pub fn left_out(&self) -> &[LeftOutPair] {
+        &self.left_out
+    }
+
+    /// Returns the moving joint that carries a capsule; `None`: it stands still.
+    pub fn joint(&self, capsule: usize) -> Option<usize> {
+        self.carried[capsule].0
+    }
+
+    /// Returns the segment of a capsule in the frame that its joint moves, or in the base, m.
+    pub(crate) fn carried_core(&self, capsule: usize) -> &Segment {
+        &self.carried[capsule].1
+    }
+}
