@@ -139,6 +139,8 @@ impl RobotArgument {
             return Err(self.wrong_overrides("give either `tip` or `tips`".to_owned()));
         }
         Ok(RobotRegistration {
+            collision_pairs: None,
+            shape_list: None,
             name,
             urdf,
             base: self.base.clone().or(file.base),

@@ -148,6 +148,7 @@ mod body;
 mod checked_stepper;
 mod config;
 mod connection;
+mod constraint_names;
 mod convert;
 mod drain;
 mod error;

@@ -42,8 +42,12 @@ pub fn of_problem(problem: &Problem, solver: Solver) -> usize {
 pub fn of_controller(config: &ControllerConfig) -> usize {
     let tasks = config.tasks.iter().map(|task| (task.rows.len(), task.law.bounds().is_some()));
     let constraints = config.constraints.iter().map(Constraint::row_count).sum();
+    let of_distances = |constraint: &Constraint| {
+        constraint.distances().map_or(0, |avoidance| avoidance.work(&config.robot, config.period_s))
+    };
+    let distances: usize = config.constraints.iter().map(of_distances).sum();
     let looks_ahead = if config.path().is_some() { LOOKS_AHEAD } else { 1 };
-    looks_ahead * of_solver(config.solver) * price(tasks, constraints, config.robot.joint_count())
+    looks_ahead * of_solver(config.solver) * price(tasks, constraints, config.robot.joint_count()) + distances
 }
 
 const fn of_solver(solver: Solver) -> usize {

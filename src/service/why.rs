@@ -1,12 +1,13 @@
 //! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
 
 use revprio_api::wire;
-use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
 use revprio_core::limits::BoundCause;
-use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
+use revprio_core::resolution::{ActiveBound, BoundId, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::report::number::significant;
 use revprio_robot::RobotModel;
+
+use super::constraint_names::ConstraintNames;
 
 /// Distance from the end of its range at which a joint is there, rad or m.
 const RANGE_END: f64 = 0.02;
@@ -65,7 +66,7 @@ pub struct Explained<'a> {
     /// Names of the joints, n.
     pub joints: Vec<&'a str>,
     /// Names of the inequalities.
-    pub inequalities: Vec<&'a str>,
+    pub inequalities: ConstraintNames<'a>,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
     /// Joint position, n, if position limits apply.
@@ -98,7 +99,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
     let explained = Explained {
         resolution: &command.resolution,
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
-        inequalities: config.constraints.iter().map(Constraint::name).collect(),
+        inequalities: ConstraintNames::of_command(config, command),
         robot: Some(&config.robot),
         position: includes_position.then_some(measurement.joint_position.as_slice()),
         causes: command.limit_causes.clone(),
@@ -126,9 +127,9 @@ impl Explained<'_> {
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
-        let active = resolution.active_constraints().map(|(index, _)| self.inequalities[index]);
+        let active = resolution.active_constraints().map(|(index, active)| self.inequality(index, active.bound.id));
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
-        let violated = resolution.broken_constraints().map(|(index, _)| self.inequalities[index]);
+        let violated = resolution.broken_constraints().map(|(index, broken)| self.inequality(index, broken.bound.id));
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(self.conflicts.iter().map(|&index| {
             let joint = self.joints[index];
@@ -149,6 +150,12 @@ impl Explained<'_> {
         }
         sentences.extend(losses);
         sentences
+    }
+
+    /// Returns the name of a row of a constraint.
+    fn inequality(&self, index: usize, id: BoundId) -> &str {
+        let row = if let BoundId::Constraint { row, .. } = id { row } else { 0 };
+        self.inequalities.get(index, row)
     }
 
     fn solver(&self) -> Option<String> {
@@ -177,6 +184,9 @@ impl Explained<'_> {
             BoundCause::Acceleration => format!("joint `{joint}` is at its acceleration limit"),
             BoundCause::Transition => {
                 format!("joint `{joint}` is at its acceleration limit, in the transition from another controller")
+            }
+            BoundCause::Distance => {
+                format!("joint `{joint}` brakes so that the arm stops before it comes too near to something")
             }
             BoundCause::Jerk => format!("joint `{joint}` is at its jerk limit"),
             BoundCause::LevellingOff => {

@@ -3,6 +3,7 @@
 mod batch;
 mod bounds;
 mod clients;
+mod collisions;
 mod examples;
 mod hard_problems;
 mod harness;

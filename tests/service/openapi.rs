@@ -250,8 +250,10 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     call("/v1/step", "step_again");
     call("/v1/step", "step_targets");
     call("/v1/step", "step_ahead");
+    call("/v1/step", "step_room");
     call("/v1/step", "step_straight");
     call("/v1/controllers", "controller_laws");
+    call("/v1/controllers", "controller_room");
     let session = call("/v1/controllers", "controller")["id"].as_str().unwrap().to_owned();
     call(&format!("/v1/controllers/{session}/step"), "state");
     call("/v1/simulations", "simulation");
@@ -268,6 +270,7 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     shown("/v1/robots/sawyer_dh", "robot_shown");
     call("/v1/robots", "robot");
     call("/v1/robots", "robot_two_arms");
+    call("/v1/robots", "robot_shapes");
     shown("/v1/scenarios", "scenarios");
     shown("/v1/scenarios/stiff_wall", "scenario");
     shown(&format!("/v1/controllers/{session}"), "session");

@@ -49,6 +49,7 @@ fn measurement(state: &wire::State) -> Measurement {
     };
     let [force, torque] = state.wrench.map_or([[0.0; 3]; 2], |wrench| [wrench.force, wrench.torque]);
     Measurement {
+        obstacles: Vec::new(),
         time_s: state.time_s,
         joint_position: values(&state.joint_position),
         joint_velocity: state.joint_velocity.as_ref().map(values),

@@ -21,8 +21,15 @@ pub fn run(address: &str) -> Result<(), Box<dyn std::error::Error>> {
     let session = client.create_controller(&controller)?;
     let joint_position = JointVector::Ordered(vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]);
     let wrench = Some(Wrench { force: [12.5, 0.0, 0.0], torque: [0.0; 3] });
-    let state =
-        State { sequence: 1, time_s: 0.001, joint_position, joint_velocity: None, wrench, targets: BTreeMap::new() };
+    let state = State {
+        obstacles: Vec::new(),
+        sequence: 1,
+        time_s: 0.001,
+        joint_position,
+        joint_velocity: None,
+        wrench,
+        targets: BTreeMap::new(),
+    };
     let answer = client.step_controller(&session.id, &state)?;
     println!("{:?}\nrad/s: {:.5?}", session.joints, answer.joint_velocity);
     println!("valid for {} ms from the measurement", answer.valid_for_ms);

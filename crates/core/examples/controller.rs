@@ -35,8 +35,14 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         force = 1000.0 * (Configuration::new(&sawyer, &q)?.tool_pose().translation.x - surface);
         let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // of the tool on the environment
         let time_s = period * f64::from(cycle);
-        let measured =
-            Measurement { time_s, joint_position: q.clone(), joint_velocity: None, wrench, targets: Vec::new() };
+        let measured = Measurement {
+            obstacles: Vec::new(),
+            time_s,
+            joint_position: q.clone(),
+            joint_velocity: None,
+            wrench,
+            targets: Vec::new(),
+        };
         let command = stepper.step(&mut memory, &measured)?;
         q.iter_mut().zip(&command.resolution.joint_velocity).for_each(|(q, speed)| *q += period * speed);
     }

@@ -49,6 +49,20 @@ impl Inequality {
         self.bound = write(self.coefficients.as_mut_slice());
     }
 
+    /// Gives the row another name.
+    pub fn rename(&mut self, name: &Arc<str>) {
+        if !Arc::ptr_eq(&self.name, name) {
+            self.name = Arc::clone(name);
+        }
+    }
+
+    /// Copies name and numbers of another row for as many joints, without allocating. The index of the row stays.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.rename(&other.name);
+        self.coefficients.copy_from(&other.coefficients);
+        self.bound = other.bound;
+    }
+
     /// Returns the name that answers use.
     pub fn name(&self) -> &str {
         &self.name

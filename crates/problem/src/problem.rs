@@ -109,13 +109,15 @@ impl Problem {
         }
     }
 
-    /// Returns the names of the rows of the constraints, in the order of `inequalities`: each row 0 begins a constraint.
+    /// Returns the names of the rows of the constraints, in the order of `inequalities`: each row 0 begins a constraint. Rows
+    /// without a bound are left out, because they always hold.
     pub fn constraint_rows(&self) -> impl Iterator<Item = (BoundId, &Inequality)> {
         let mut begun = 0;
-        self.inequalities.iter().map(move |inequality| {
+        let named = self.inequalities.iter().map(move |inequality| {
             begun += usize::from(inequality.row() == 0);
             (BoundId::Constraint { index: begun.saturating_sub(1), row: inequality.row() }, inequality)
-        })
+        });
+        named.filter(|(_, inequality)| inequality.bound() < f64::INFINITY)
     }
 
     /// Checks that there are at most [`MAX_UNKNOWNS`] unknowns, that all parts are about the same joints, and that the

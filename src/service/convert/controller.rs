@@ -1,13 +1,16 @@
 //! Controllers.
 
 use revprio_api::wire;
+use revprio_core::constraint::Constraint;
 use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
 };
 use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 use revprio_core::rows::RowsError;
+use revprio_robot::RobotModel;
 
-use super::checks::{Missing, Result, check, each};
+use super::checks::{Inside, Missing, Result, check, each};
+use super::collisions;
 use super::environment;
 use super::inequalities::InequalityReader;
 use super::null_space::null_space;
@@ -53,8 +56,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         },
         drive,
         valid_for_ms: request.valid_for_ms,
-        constraints: InequalityReader { robot: Some(&robot), joints, period_s: Some(request.period_s) }
-            .read(&request.inequalities)?,
+        constraints: constraints(request, &robot)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
         null_space: match &request.null_space_velocity {
@@ -69,6 +71,22 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
     environment::check_environment(request)?;
     Controller::new(config).map_err(|error| ApiError::invalid(config_pointer(&error), error))
+}
+
+/// Reads the inequalities, then what the arm keeps clear of.
+fn constraints(request: &wire::Controller, robot: &RobotModel) -> Result<Vec<Constraint>> {
+    let reader = InequalityReader { robot: Some(robot), joints: robot.joint_count(), period_s: Some(request.period_s) };
+    let mut constraints = reader.read(&request.inequalities)?;
+    if let Some(stated) = &request.collisions {
+        let distances = Constraint::Distances(collisions::avoidance(stated).inside("/collisions")?);
+        if let Some(index) = constraints.iter().position(|constraint| constraint.name() == distances.name()) {
+            let detail =
+                format!("`{}` is the name of the rows that `collisions` makes; give another", distances.name());
+            return Err(ApiError::invalid(format!("/inequalities/{index}/name"), detail));
+        }
+        constraints.push(distances);
+    }
+    Ok(constraints)
 }
 
 /// Reads the rules for the states of a controller.
@@ -107,6 +125,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
         ConfigError::Path { task } => format!("/tasks/{task}/law"),
         ConfigError::Limits { .. } | ConfigError::Unplanned => "/limits".to_owned(),
+        ConfigError::Collisions(_) | ConfigError::CollisionsTwice => "/collisions".to_owned(),
         ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
         ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),

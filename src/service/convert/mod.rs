@@ -6,6 +6,7 @@
 
 mod arm;
 mod checks;
+mod collisions;
 mod control;
 mod controller;
 mod environment;

@@ -9,6 +9,7 @@ use revprio_robot::{Joint, RobotModel};
 use tokio::time::Instant;
 
 use super::terms;
+use crate::service::constraint_names::ConstraintNames;
 
 /// Converts a resolution to the parts of an answer.
 pub struct Outcome<'a> {
@@ -19,7 +20,7 @@ pub struct Outcome<'a> {
     /// Names of the tasks, highest priority first.
     pub tasks: Vec<&'a str>,
     /// Names of the inequalities, in order.
-    pub inequalities: Vec<&'a str>,
+    pub inequalities: ConstraintNames<'a>,
     /// The robot, if the limits of the problem are not the robot's.
     pub faster_than: Option<&'a RobotModel>,
 }
@@ -101,7 +102,7 @@ impl Outcome<'_> {
     /// Active inequalities.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
         let active = |(index, active): (usize, &ActiveBound)| wire::ActiveInequality {
-            name: self.inequalities[index].to_owned(),
+            name: self.inequality(index, active.bound.id).to_owned(),
             bound: active.value,
             multiplier: active.multiplier,
         };
@@ -111,11 +112,17 @@ impl Outcome<'_> {
     /// Violated inequalities.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
         let violation = |(index, broken): (usize, &BrokenBound)| wire::ViolatedInequality {
-            name: self.inequalities[index].to_owned(),
+            name: self.inequality(index, broken.bound.id).to_owned(),
             bound: broken.limit,
             value: broken.value,
         };
         self.resolution.broken_constraints().map(violation).collect()
+    }
+
+    /// Returns the name of a row of a constraint.
+    fn inequality(&self, index: usize, id: BoundId) -> &str {
+        let row = if let BoundId::Constraint { row, .. } = id { row } else { 0 };
+        self.inequalities.get(index, row)
     }
 
     /// Contradictions.
@@ -186,7 +193,9 @@ impl Outcome<'_> {
     fn row_name(&self, name: Option<BoundId>) -> wire::RowName {
         let (task, row, inequality) = match name {
             Some(BoundId::Task { index, row }) => (Some(self.tasks[index].to_owned()), Some(row), None),
-            Some(BoundId::Constraint { index, .. }) => (None, None, Some(self.inequalities[index].to_owned())),
+            Some(BoundId::Constraint { index, row }) => {
+                (None, None, Some(self.inequalities.get(index, row).to_owned()))
+            }
             Some(BoundId::Joint(_)) | None => (None, None, None),
         };
         wire::RowName { task, row, inequality }
@@ -267,7 +276,7 @@ mod tests {
             resolution: &resolution,
             joints: vec![],
             tasks: vec!["t"],
-            inequalities: vec![],
+            inequalities: ConstraintNames::default(),
             faster_than: None,
         };
         let task = &outcome.tasks(|_| (vec![0.0; 3], None))[0];
@@ -298,7 +307,7 @@ mod tests {
             resolution: &resolution,
             joints: vec!["j1", "j2"],
             tasks: vec!["slow"],
-            inequalities: vec!["wall"],
+            inequalities: vec!["wall"].into(),
             faster_than: None,
         };
         let contradictions = serde_json::to_value(outcome.contradictions()).unwrap();

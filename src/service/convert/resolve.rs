@@ -251,7 +251,7 @@ pub fn resolve_answer(problem: &ResolveProblem, resolution: &Resolution, start: 
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         tasks: tasks.iter().map(|task| task.name.as_str()).collect(),
-        inequalities: problem.constraint_names(),
+        inequalities: problem.constraint_names().into(),
         faster_than: problem.faster_than.as_deref(),
     };
     wire::ResolveAnswer {
@@ -284,7 +284,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     let explained = Explained {
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
-        inequalities: problem.constraint_names(),
+        inequalities: problem.constraint_names().into(),
         robot: inputs.robot.as_deref(),
         position: inputs.position.as_deref(),
         causes: resolution

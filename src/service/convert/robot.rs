@@ -7,6 +7,7 @@ use revprio_robot::{
 };
 
 use super::checks::{Inside, Result, check, each};
+use super::collisions::{shapes_answer, with_shapes};
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
@@ -36,7 +37,8 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     }
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
-    check(joints <= MAX_JOINTS, "/urdf", detail).map(|()| robot)
+    check(joints <= MAX_JOINTS, "/urdf", detail)?;
+    with_shapes(robot, request)
 }
 
 /// Checks that each name of a tip is a word, and that it names nothing else: tasks and planes would mean different things by it.
@@ -125,6 +127,7 @@ pub fn robot_answer(robot: &RobotModel) -> wire::Robot {
         joints: robot.joints().iter().map(joint_answer).collect(),
         tips: robot.tips().iter().map(|tip| tip_answer(robot, tip)).collect(),
         links: robot.links().iter().map(|link| link.name.clone()).collect(),
+        shapes: shapes_answer(robot),
         chain: robot.selection().map(|selection| chain_answer(robot, selection)),
     }
 }

@@ -1,7 +1,6 @@
 //! The states of control periods and their answers.
 
 use revprio_api::wire;
-use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask, TransitionError};
 use revprio_core::limits::{Hold, braking_deceleration};
 use revprio_core::linalg::Vector;
@@ -10,9 +9,11 @@ use tokio::time::Instant;
 
 use super::arm::arm_view;
 use super::checks::{Result, check};
+use super::collisions::{obstacle_states, report_answer};
 use super::numbers::{check_numbers, joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
 use super::{targets, terms};
+use crate::service::constraint_names::ConstraintNames;
 use crate::service::error::ApiError;
 use crate::service::state_rules::StateRules;
 
@@ -37,6 +38,7 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     let targets = targets::targets(&state.targets, time_s, controller)?;
     targets::check_times(&targets, time_s, controller)?;
     Ok(Measurement {
+        obstacles: obstacle_states(&state.obstacles)?,
         time_s,
         joint_position: joint_vector(&state.joint_position, robot, "/joint_position")?,
         joint_velocity: state.joint_velocity.as_ref().map(|v| joint_vector(v, robot, "/joint_velocity")).transpose()?,
@@ -66,6 +68,11 @@ pub fn step_error(error: &StepError) -> ApiError {
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
         StepError::Target { .. } => "/targets",
+        StepError::UnknownObstacle { index, .. } | StepError::ObstacleTwice { index, .. } => {
+            return ApiError::invalid(format!("/obstacles/{index}/name"), error);
+        }
+        StepError::Obstacle { index, .. } => return ApiError::invalid(format!("/obstacles/{index}"), error),
+        StepError::MissingObstacle { .. } => "/obstacles",
         StepError::Memory(_) => return ApiError::invalid("/memory", error),
         StepError::Problem(_) | StepError::Solver => "",
     };
@@ -105,7 +112,7 @@ pub fn step_answer(
         resolution: &command.resolution,
         joints: joint_names(&config.robot),
         tasks: config.tasks.iter().map(|task| task.name.as_str()).collect(),
-        inequalities: config.constraints.iter().map(Constraint::name).collect(),
+        inequalities: ConstraintNames::of_command(config, command),
         faster_than: (!config.limits.include_speeds()).then_some(&config.robot),
     };
     let task = |k: usize| {
@@ -129,6 +136,7 @@ pub fn step_answer(
         active_inequalities: outcome.active_inequalities(),
         violated_inequalities: outcome.violated_inequalities(),
         contradictions: outcome.contradictions(),
+        collisions: command.collisions.as_ref().map(report_answer),
         limit_conflict: outcome.names(&command.limit_conflicts),
         solver: outcome.solver(),
         singularity: outcome.singularity(),

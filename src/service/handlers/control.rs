@@ -200,7 +200,7 @@ pub async fn replace_controller(
     app.sessions.check_owner(&id, &owner).await?;
     let shared = Arc::clone(&app);
     let controller = app.new.run(move |_| PreparedController::new(request, &shared.robots)).await??;
-    app.sessions.replace(&id, controller, &owner).await.map(Answer)
+    Box::pin(app.sessions.replace(&id, controller, &owner)).await.map(Answer)
 }
 
 /// Ends a session.

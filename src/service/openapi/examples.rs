@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 37] = examples! {
+const EXAMPLES: [Example; 40] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -42,9 +42,11 @@ const EXAMPLES: [Example; 37] = examples! {
     post "/v1/step" "step_again" => "step_again";
     post "/v1/step" "step_targets" => "step_targets";
     post "/v1/step" "step_ahead" => "step_ahead";
+    post "/v1/step" "step_room" => "step_room";
     post "/v1/step" "step_straight" => "step_straight";
     post "/v1/controllers" "controller" => "controller";
     post "/v1/controllers" "controller_laws" => "controller_laws";
+    post "/v1/controllers" "controller_room" => "controller_room";
     get "/v1/controllers" => "sessions";
     get "/v1/controllers/{id}" => "session";
     put "/v1/controllers/{id}" "controller_replaced" => "controller_replaced";
@@ -56,6 +58,7 @@ const EXAMPLES: [Example; 37] = examples! {
     get "/v1/robots" => "robots";
     post "/v1/robots" "robot" => "robot";
     post "/v1/robots" "robot_two_arms" => "robot_two_arms";
+    post "/v1/robots" "robot_shapes" => "robot_shapes";
     get "/v1/robots/{name}" => "robot_shown";
     get "/v1/scenarios" => "scenarios";
     get "/v1/scenarios/{name}" => "scenario";

@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
+use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
 use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL};
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
+use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
 
 use super::schemas::{references, schema_name, variants, visit};
@@ -154,7 +156,13 @@ fn request_ranges() -> Vec<FieldRange> {
             outages: Items(0, 100),
         }
         Outage { start_s: Positive, duration_s: NotNegative }
-        wire::RobotRegistration { tips: Items(1, MAX_TIPS), name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
+        wire::Collisions { min_distance_m: Between(0.0, 1.0), rate_per_s: Positive, obstacles: Items(0, MAX_OBSTACLES) }
+        wire::Sphere { center: Items(3, 3), radius: Positive }
+        wire::Capsule { start: Items(3, 3), end: Items(3, 3), radius: Positive }
+        wire::Cuboid { size: Items(3, 3) }
+        wire::HalfSpace { normal: Items(3, 3) }
+        wire::ObstacleState { position: Items(3, 3), velocity: Items(3, 3) }
+        wire::RobotRegistration { shape_list: Items(0, MAX_CAPSULES), tips: Items(1, MAX_TIPS), name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
         wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive, jerk: Positive }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {

@@ -159,8 +159,14 @@ fn controller_step(bencher: Bencher, solver: Solver) {
         Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
     let (mut stepper, mut memory) = (stepper(controller).unwrap(), None);
     let joint_position = POSTURE.to_vec();
-    let mut measured =
-        Measurement { time_s: 0.0, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() };
+    let mut measured = Measurement {
+        obstacles: Vec::new(),
+        time_s: 0.0,
+        joint_position,
+        joint_velocity: None,
+        wrench: [0.0; 6],
+        targets: Vec::new(),
+    };
     bencher.bench_local(|| {
         let command = stepper.step(&mut memory, &measured).unwrap();
         let speeds = command.resolution.joint_velocity.iter();

@@ -41,6 +41,7 @@ pub fn check(service: &TimedService, input: &[u8]) -> Result<(), Defect> {
 /// A state at the middle of the ranges of most arms.
 fn default_state(joints: usize) -> State {
     State {
+        obstacles: Vec::new(),
         sequence: 1,
         time_s: 0.0,
         joint_position: vec![0.3; joints].into(),

@@ -27,8 +27,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (i, q) in positions.iter().enumerate() {
             let (time_s, joint_position) = (i as f64 * request.period_s, q.clone());
             let start = Instant::now();
-            let measurement =
-                Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() };
+            let measurement = Measurement {
+                obstacles: Vec::new(),
+                time_s,
+                joint_position,
+                joint_velocity: None,
+                wrench: [0.0; 6],
+                targets: Vec::new(),
+            };
             let command = stepper.step(&mut memory, &measurement)?;
             micros[i] = micros[i].min(start.elapsed().as_secs_f64() * 1e6);
             limited[i] = command.resolution.active_limits().next().is_some();

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyComplex, PyMapping};
 use revprio::service::ApiError;
-use revprio_api::wire::{JointVector, StreamedTarget, Wrench};
+use revprio_api::wire::{JointVector, ObstacleState, StreamedTarget, Wrench};
 
 use crate::outcome::refused;
 
@@ -52,6 +52,11 @@ pub fn wrench(value: &Bound<'_, PyAny>) -> PyResult<Wrench> {
 /// Reads targets by task name in JSON.
 pub fn targets(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, StreamedTarget>> {
     serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/targets", error)))
+}
+
+/// Reads where obstacles are, in JSON.
+pub fn obstacles(py: Python<'_>, json: &[u8]) -> PyResult<Vec<ObstacleState>> {
+    serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/obstacles", error)))
 }
 
 /// Converts with `numpy.asarray`.

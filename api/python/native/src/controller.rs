@@ -95,8 +95,8 @@ impl Controller {
         Ok(self.lock()?.warnings().to_vec())
     }
 
-    /// Runs one control period. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
-    #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, targets, /))]
+    /// Runs one control period. `arrived`: new targets by task name, and where obstacles are, in JSON. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
+    #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, arrived, /))]
     fn step<'py>(
         &self,
         sequence: u64,
@@ -104,17 +104,19 @@ impl Controller {
         joint_position: &Bound<'py, PyAny>,
         joint_velocity: Option<&Bound<'py, PyAny>>,
         wrench: Option<&Bound<'py, PyAny>>,
-        targets: Option<&[u8]>,
+        arrived: (Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>),
     ) -> PyResult<Bound<'py, PyDict>> {
         let py = joint_position.py();
         let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
+        let (targets, obstacles) = arrived;
         let state = wire::State {
             sequence,
             time_s: arguments::time(time_s)?,
             joint_position: arguments::joint_vector(joint_position, "/joint_position")?,
             joint_velocity: joint_velocity.map(velocity).transpose()?,
             wrench: wrench.map(arguments::wrench).transpose()?,
-            targets: targets.map(|json| arguments::targets(py, json)).transpose()?.unwrap_or_default(),
+            targets: targets.map(|json| arguments::targets(py, json.as_bytes())).transpose()?.unwrap_or_default(),
+            obstacles: obstacles.map(|json| arguments::obstacles(py, json.as_bytes())).transpose()?.unwrap_or_default(),
         };
         let answer = without_lock(py, || Ok::<_, Forked>(self.lock()?.step(&state)))?;
         let answer = answer.map_err(|error| refused(py, error))?;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    AntiWindup, Axis, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits, Method,
+    AntiWindup, Axis, Collisions, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits, Method,
     NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, defaults, integer, object};
@@ -41,6 +41,9 @@ pub struct Controller {
     /// joints; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub inequalities: Vec<Inequality>,
+    /// Shapes that the links keep clear of. It needs a robot with shapes; default: none.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub collisions: Option<Collisions>,
     /// Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default `base`.
     #[serde(default)]
     pub wrench_frame: WrenchFrame,

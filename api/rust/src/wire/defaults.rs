@@ -11,6 +11,12 @@ pub fn is_yes(value: &bool) -> bool {
     *value
 }
 
+/// Returns whether the value is `false`.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+pub fn is_no(value: &bool) -> bool {
+    !*value
+}
+
 /// The default 1.
 pub fn one() -> f64 {
     1.0

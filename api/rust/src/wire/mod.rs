@@ -5,6 +5,7 @@
 
 mod bounds;
 mod certificate;
+mod collision;
 mod controller;
 mod defaults;
 mod drive;
@@ -33,6 +34,10 @@ mod string_tags;
 mod virtual_arm;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
+pub use collision::{
+    Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
+    ObstacleState, PairDistance, RobotShapes, RoomObstacle, Sphere,
+};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{JointKind, Pose};
+use super::{CollisionPairs, JointKind, LinkShape, Pose, RobotShapes, object};
 
 /// Answer to `GET /v1/robots`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -41,6 +41,12 @@ pub struct RobotRegistration {
     /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
+    /// Shapes that cover the links, so that controllers can keep clear; default: none.
+    #[serde(default, deserialize_with = "object::optional_list", skip_serializing_if = "Option::is_none")]
+    pub shape_list: Option<Vec<LinkShape>>,
+    /// Pairs of links of which nothing is watched.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub collision_pairs: Option<CollisionPairs>,
 }
 
 /// A frame on a link that tasks can name, such as a tool.
@@ -102,6 +108,9 @@ pub struct Robot {
     /// Names of the links, base first. Tasks can name them too.
     #[serde(default)]
     pub links: Vec<String>,
+    /// Shapes and watched pairs; absent: the robot has no shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shapes: Option<RobotShapes>,
     /// The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chain: Option<RobotChain>,

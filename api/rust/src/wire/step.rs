@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, Contradiction, Controller, DriveState, JointVector, Pose, Side, Singularity,
-    SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm,
+    ActiveInequality, ActiveLimit, CollisionReport, Contradiction, Controller, DriveState, JointVector, ObstacleState,
+    Pose, Side, Singularity, SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality,
+    ViolatedLimit, VirtualArm,
 };
 use super::{integer, object, streaming};
 
@@ -36,6 +37,9 @@ pub struct State {
     #[serde(default, deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"hand": {"time_s": 0.95, "pose": {"position": [0.6, 0.1, 0.4]}}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
+    /// Where the moving obstacles of the controller are; each must be named. Default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleState>,
 }
 
 /// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
@@ -354,6 +358,9 @@ pub struct StepAnswer {
     #[schema(example = json!([{"task": "height", "members": [
         {"task": "height", "row": 0, "side": "lower"}, {"joint": "j2", "side": "upper"}]}]))]
     pub contradictions: Vec<Contradiction>,
+    /// Distances of the shapes; absent: the controller watches none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub collisions: Option<CollisionReport>,
     /// Names of joints whose acceleration or jerk limit contradicts position or velocity limits and is not kept.
     pub limit_conflict: Vec<String>,
     /// Solver path, status and optimality check.

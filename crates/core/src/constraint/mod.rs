@@ -5,9 +5,12 @@
 //! contradict the box of the joint limits or each other, the box holds, their violation is as small as possible, and the answer
 //! names them.
 
+mod distance;
 mod fixed;
 mod kind;
 mod plane;
+
+use std::ops::Range;
 
 pub use revprio_problem::{Inequality, InequalityError};
 use revprio_robot::RobotModel;
@@ -17,6 +20,7 @@ use self::kind::ConstraintKind;
 pub use self::plane::{APPROACH_RATE, PlanePoint, VirtualPlane, VirtualPlaneError};
 use crate::arm_state::ArmState;
 pub use crate::arm_state::{Ahead, JointBraking};
+use crate::collision::CollisionAvoidance;
 
 /// Maximum number of rows of all constraints of a controller together.
 ///
@@ -30,6 +34,8 @@ pub enum Constraint {
     Fixed(Inequality),
     /// A virtual wall, which gives another inequality at each posture.
     Plane(VirtualPlane),
+    /// Shapes that keep clear of each other; at most once.
+    Distances(CollisionAvoidance),
 }
 
 impl Constraint {
@@ -37,6 +43,15 @@ impl Constraint {
         match self {
             Self::Fixed(inequality) => inequality,
             Self::Plane(plane) => plane,
+            Self::Distances(avoidance) => avoidance,
+        }
+    }
+
+    /// Returns what shapes keep clear of, if the constraint is about that.
+    pub fn distances(&self) -> Option<&CollisionAvoidance> {
+        match self {
+            Self::Distances(avoidance) => Some(avoidance),
+            Self::Fixed(_) | Self::Plane(_) => None,
         }
     }
 
@@ -65,6 +80,19 @@ impl Constraint {
     pub fn rows_at(&self, configuration: Option<&Configuration>) -> Vec<Inequality> {
         self.kind().rows_at(configuration)
     }
+}
+
+/// Returns what shapes keep clear of, and the place of its rows among those of all constraints.
+pub(crate) fn distances(constraints: &[Constraint]) -> Option<(&CollisionAvoidance, Range<usize>)> {
+    let mut start = 0;
+    for constraint in constraints {
+        let rows = start..start + constraint.row_count();
+        if let Some(avoidance) = constraint.distances() {
+            return Some((avoidance, rows));
+        }
+        start = rows.end;
+    }
+    None
 }
 
 /// Allocates the rows of constraints for an arm of n joints, one block after the other.

@@ -21,7 +21,7 @@
 //! let controller = Controller::new(ControllerConfig::new(built_in()[0].clone(), 0.001, vec![push]))?;
 //! let mut stepper = Stepper::new(controller)?;
 //!
-//! let measured = Measurement {
+//! let measured = Measurement { obstacles: Vec::new(),
 //!     time_s: 0.0,
 //!     joint_position: vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2],
 //!     joint_velocity: None,

@@ -18,6 +18,8 @@ pub enum BoundCause {
     Jerk,
     /// The jerk limit of a joint that levels off at the velocity that its tasks want.
     LevellingOff,
+    /// Distances: the stop after another command would come too near.
+    Distance,
     /// The acceleration limit in the transition from another controller.
     Transition,
 }

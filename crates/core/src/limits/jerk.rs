@@ -100,6 +100,16 @@ impl JerkLimit {
         (last + self.period * least, last + self.period * greatest)
     }
 
+    /// Returns v̂ of the module: the command with the smallest |s| after the last command and its acceleration.
+    ///
+    /// s = v + a|a|/2J grows with a, and for v = q̇⁻ + a T it is zero at |a| = J (√(T² + 2|q̇⁻|/J) − T), against q̇⁻.
+    pub(super) fn braking(&self, last: f64, acceleration: f64) -> f64 {
+        let (period, jerk) = (self.period, self.jerk);
+        let needed = 2.0 * last.abs() / (period + (period * period + 2.0 * last.abs() / jerk).sqrt());
+        let (least, greatest) = self.reach(last, acceleration);
+        (last - period * needed.copysign(last)).clamp(least, greatest)
+    }
+
     /// Returns the acceleration to remember after a command, at most J T away from that before it. A command that does not
     /// keep the jerk thus counts as a jump of the speed, and the joint need not level off from it.
     pub fn next_acceleration(&self, acceleration: f64, last: f64, command: f64) -> f64 {

@@ -82,6 +82,15 @@ impl LimitedBox {
         }
     }
 
+    /// Shrinks the box to a share of its size about a velocity inside it, n.
+    pub fn shrink(&mut self, centre: &[f64], share: f64) {
+        for (joint, &centre) in centre.iter().enumerate() {
+            self.change_joint(joint, BoundCause::Distance, |lower, upper| {
+                (centre + share * (lower - centre), centre + share * (upper - centre))
+            });
+        }
+    }
+
     /// Changes the bounds of a joint. Those that differ afterwards have another cause.
     fn change_joint(&mut self, joint: usize, cause: BoundCause, change: impl FnOnce(f64, f64) -> (f64, f64)) {
         let before = (self.velocity_box.lower()[joint], self.velocity_box.upper()[joint]);

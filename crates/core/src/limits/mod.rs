@@ -46,6 +46,7 @@
 mod bound_cause;
 mod braking;
 mod drive;
+mod full_braking;
 mod hold;
 mod jerk;
 mod limit_kind;
@@ -54,6 +55,7 @@ mod limited_box;
 pub use bound_cause::BoundCause;
 pub use braking::{braking_deceleration, may_jump, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
+pub(crate) use full_braking::full_braking;
 pub use hold::Hold;
 pub use jerk::JerkLimit;
 pub use limit_kind::LimitKind;

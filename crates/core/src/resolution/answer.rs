@@ -136,8 +136,8 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy,
         let (value, length) = match id {
             // Constraints are the first rows of a problem, with length one.
             BoundId::Constraint { .. } => {
-                let inequality = &problem.inequalities[index];
-                (inequality.bound(), inequality.coefficients().norm())
+                let inequality = problem.constraint_rows().nth(index).map(|(_, inequality)| inequality);
+                inequality.map_or((f64::INFINITY, 1.0), |row| (row.bound(), row.coefficients().norm()))
             }
             _ => (row.bound(side), 1.0),
         };

@@ -52,7 +52,7 @@ impl PlanRun {
         let step = examined_step(problem.method);
         self.write(problem, step, 0.0);
         self.begun = Some(step);
-        self.has_only_equations = self.levels.inequalities.len() == problem.inequalities.len();
+        self.has_only_equations = self.levels.inequalities.len() == problem.constraint_rows().count();
     }
 
     /// Solves the plan of the problem's method, after [`Self::begin`].

@@ -127,8 +127,8 @@ impl Singularities {
     fn examine_each(&mut self, problem: &Problem, solver: &mut dyn SizedSolver) {
         let (tasks, damping) = (problem.tasks.tasks(), problem.damping);
         // A level per task, after that of the constraints.
-        let first_level =
-            (examined_step(problem.method) == Step::Levels).then_some(usize::from(!problem.inequalities.is_empty()));
+        let first_level = (examined_step(problem.method) == Step::Levels)
+            .then_some(usize::from(problem.constraint_rows().next().is_some()));
         // The smallest singular value is only computed where it matters.
         let factor = |singular: &SingularValues| {
             damping

@@ -1,9 +1,14 @@
 //! Limits, planes, inequalities and tasks with bounds, each of them active.
 
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use revprio_core::collision::{CollisionAvoidance, Obstacle, ObstacleShape, ObstacleState};
 use revprio_core::constraint::{Constraint, Inequality, PlanePoint, VirtualPlane};
 use revprio_core::controller::{Command, ControllerConfig, Limits};
 use revprio_core::limits::{Drive, LimitKind, VelocityBox};
 use revprio_core::resolution::Method;
+use revprio_robot::collision::{LinkCapsule, Segment};
 use revprio_robot::kinematics::Configuration;
 
 use crate::arm::{
@@ -54,6 +59,32 @@ fn a_plane_behind_an_ideal_and_a_slow_drive_allocates_nothing() {
         let config = push_upwards(Limits::Robot(LimitKind::PositionVelocityAcceleration));
         let config = ControllerConfig { drive, constraints: vec![ceiling(PlanePoint::Tool, 0.02)], ..config };
         assert_allocates_nothing(&format!("{drive:?}"), config, 200, is_at_constraint);
+    }
+}
+
+/// A ball at the tool below a ceiling, with an obstacle that moves.
+#[test]
+fn distances_allocate_nothing() {
+    let bare = sawyer();
+    let tool = Configuration::new(&bare, &NOMINAL).unwrap().tool_pose().translation.vector;
+    let core = Segment::point(bare.tool().translation.vector);
+    let capsule = LinkCapsule { link: bare.tips()[0].link, core, radius: 0.05 };
+    let robot = Arc::new(bare.as_ref().clone().with_capsules(vec![capsule], &[]).unwrap());
+    let above = ObstacleShape::HalfSpace { normal: -Vector3::z(), offset: -(tool.z + 0.08) };
+    let side = tool + Vector3::new(0.0, 0.3, 0.0);
+    let ball = ObstacleShape::Capsule { core: Segment::point(side), radius: 0.05 };
+    let obstacles = vec![Obstacle::new("ceiling", above, false).unwrap(), Obstacle::new("ball", ball, true).unwrap()];
+    let avoidance = CollisionAvoidance { obstacles, ..CollisionAvoidance::default() };
+    for drive in [Drive::IDEAL, Drive::CONSERVATIVE] {
+        let config = push_upwards(Limits::Robot(LimitKind::PositionVelocityAcceleration));
+        let constraints = vec![Constraint::Distances(avoidance.clone())];
+        let mut arm = Arm::new(ControllerConfig { robot: Arc::clone(&robot), drive, constraints, ..config });
+        arm.measured.obstacles =
+            vec![ObstacleState { name: "ball".into(), position: side, velocity: Vector3::zeros() }];
+        arm.warm_up();
+        let counts = arm.run(2000, is_at_constraint);
+        assert!(counts.seen >= 200, "{drive:?}: {counts:?}");
+        assert_eq!((counts.allocations, counts.qp), (0, 0), "{drive:?}: {counts:?}");
     }
 }
 

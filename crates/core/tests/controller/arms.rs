@@ -131,6 +131,7 @@ pub fn controller(config: ControllerConfig) -> Controller {
 
 pub fn measurement(joint_position: &[f64]) -> Measurement {
     Measurement {
+        obstacles: Vec::new(),
         time_s: 0.0,
         joint_position: joint_position.to_vec(),
         joint_velocity: None,
@@ -185,6 +186,7 @@ impl Loop {
 }
 
 /// Reproducible random numbers (SplitMix64).
+#[derive(Clone)]
 pub struct Random(pub u64);
 
 impl Random {

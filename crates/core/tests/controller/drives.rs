@@ -25,6 +25,7 @@ pub(super) const NOISE: f64 = 1e-4;
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
 /// An arm behind a drive, whose positions are measured with noise.
+#[derive(Clone)]
 pub(super) struct LaggingArm {
     pub(super) q: Vec<f64>,
     velocity: Vec<f64>,
@@ -44,7 +45,14 @@ impl LaggingArm {
 
     pub(super) fn measure(&mut self, time_s: f64) -> Measurement {
         let joint_position = self.q.iter().map(|q| q + self.noise * self.random.signed()).collect();
-        Measurement { time_s, joint_position, joint_velocity: None, wrench: [0.0; 6], targets: Vec::new() }
+        Measurement {
+            obstacles: Vec::new(),
+            time_s,
+            joint_position,
+            joint_velocity: None,
+            wrench: [0.0; 6],
+            targets: Vec::new(),
+        }
     }
 
     pub(super) fn follow(&mut self, command: &[f64], period: f64) {

@@ -63,8 +63,14 @@ fn answers(size: f64, length: f64, method: Method, seed: u64) -> Vec<Resolution>
         };
         let mut memory: Option<Memory> = None;
         let wrench = [0.0; 6];
-        let measured =
-            Measurement { time_s: 0.0, joint_position: q, joint_velocity: None, wrench, targets: Vec::new() };
+        let measured = Measurement {
+            obstacles: Vec::new(),
+            time_s: 0.0,
+            joint_position: q,
+            joint_velocity: None,
+            wrench,
+            targets: Vec::new(),
+        };
         let mut stepper = Stepper::new(controller(config)).unwrap();
         answers.push(stepper.step(&mut memory, &measured).unwrap().resolution.clone());
     }

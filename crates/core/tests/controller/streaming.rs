@@ -165,7 +165,9 @@ fn orientations_are_followed_exactly_at_a_uniform_turn() {
         let value = StreamedValue::Pose { position: None, orientation: Some(turned(time_s)) };
         let target = StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() };
         let targets = if i % 22 == 0 { vec![target] } else { Vec::new() };
-        let command = stepper.step(&mut memory, &Measurement { time_s, targets, ..measurement(&q) }).unwrap();
+        let command = stepper
+            .step(&mut memory, &Measurement { obstacles: Vec::new(), time_s, targets, ..measurement(&q) })
+            .unwrap();
         q.iter_mut().zip(command.resolution.joint_velocity.iter()).for_each(|(q, qdot)| *q += PERIOD * qdot);
         let actual = Configuration::new(&robot, &q).unwrap().tool_pose().rotation;
         error = UnitQuaternion::from_rotation_matrix(&actual).angle_to(&turned(time_s + PERIOD));

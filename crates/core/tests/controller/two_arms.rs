@@ -27,7 +27,7 @@ const DRIVE: Drive = Drive { lag_s: 0.02, delay_periods: 2 };
 const HOME: [f64; 14] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785, 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
 /// Returns two Pandas, 0.6 m apart, that look in the same direction. Their hands are the tips.
-fn two_pandas() -> Arc<RobotModel> {
+pub(super) fn two_pandas() -> Arc<RobotModel> {
     let one = include_str!("../../../robot/robots/panda.urdf");
     let links = one.split("<robot").nth(1).and_then(|text| text.split_once('>')).unwrap().1.replace("</robot>", "");
     let of = |side: &str| links.replace("panda_", &format!("{side}_"));
@@ -174,6 +174,7 @@ fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
         ControllerConfig { null_space: None, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![reach]) };
     let controller = Controller::new(config).unwrap();
     let at_rest = Measurement {
+        obstacles: Vec::new(),
         time_s: 0.0,
         joint_position: HOME.to_vec(),
         joint_velocity: None,

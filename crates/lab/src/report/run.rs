@@ -35,6 +35,7 @@ impl Run {
     /// Wraps a recording for a test: the scenario `stiff_wall` and a robot without joints.
     pub(crate) fn of(recording: Recording) -> Self {
         let robot = wire::Robot {
+            shapes: None,
             name: "none".to_owned(),
             description: String::new(),
             source: wire::RobotSource::Urdf,

@@ -51,6 +51,7 @@ mod tests {
     fn robot_contact_tasks_and_expectation_are_described() {
         let scenario = Scenario::find("stiff_wall_lag").unwrap();
         let robot = wire::Robot {
+            shapes: None,
             name: "sawyer_dh".to_owned(),
             description: String::new(),
             source: wire::RobotSource::DenavitHartenberg,

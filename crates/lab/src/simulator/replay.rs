@@ -137,6 +137,7 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         torque: sample.torque,
     });
     wire::State {
+        obstacles: Vec::new(),
         sequence: period as u64,
         time_s: sample.time_s,
         joint_position: sensed.joint_position.into(),

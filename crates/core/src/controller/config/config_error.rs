@@ -2,6 +2,7 @@
 
 use super::null_space::NullSpaceError;
 use super::task::TaskConfigError;
+use crate::collision::CollisionAvoidanceError;
 use crate::constraint::MAX_CONSTRAINT_ROWS;
 use crate::limits::MAX_DRIVE_DELAY;
 
@@ -63,6 +64,12 @@ pub enum ConfigError {
         /// Rows of all constraints.
         given: usize,
     },
+    /// The controller cannot keep clear of obstacles.
+    #[error(transparent)]
+    Collisions(#[from] CollisionAvoidanceError),
+    /// Collisions are stated twice.
+    #[error("state once what the controller keeps clear of")]
+    CollisionsTwice,
     /// The box has another number of joints than the robot.
     #[error("limits for {given} joints, but the robot has {expected}")]
     Limits {

@@ -9,7 +9,8 @@ use super::null_space::NullSpaceMotion;
 use super::task::TaskConfig;
 use super::velocity_limits::Limits;
 use super::wrench::{WrenchConvention, WrenchFrame};
-use crate::constraint::{Constraint, MAX_CONSTRAINT_ROWS};
+use crate::collision::CollisionAvoidanceError;
+use crate::constraint::{self, Constraint, MAX_CONSTRAINT_ROWS};
 use crate::limits::{Drive, LimitKind, MAX_DRIVE_DELAY};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
@@ -116,6 +117,7 @@ impl ControllerConfig {
             return Err(ConfigError::Drive);
         }
         let joints = self.robot.joint_count();
+        self.check_collisions()?;
         if let Some(index) = self.constraints.iter().position(|constraint| !constraint.fits(&self.robot)) {
             let name = self.constraints[index].name().to_owned();
             return Err(ConfigError::Constraint { index, name, expected: joints });
@@ -141,5 +143,17 @@ impl ControllerConfig {
             Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
             None => Ok(()),
         }
+    }
+
+    /// Checks that the controller can keep clear of obstacles, if it shall.
+    fn check_collisions(&self) -> Result<(), ConfigError> {
+        let Some((avoidance, _)) = constraint::distances(&self.constraints) else { return Ok(()) };
+        if self.constraints.iter().filter_map(Constraint::distances).count() > 1 {
+            return Err(ConfigError::CollisionsTwice);
+        }
+        if !self.keeps_positions() {
+            return Err(CollisionAvoidanceError::Limits.into());
+        }
+        Ok(avoidance.check(&self.robot, self.period_s)?)
     }
 }

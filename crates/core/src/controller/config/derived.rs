@@ -7,7 +7,8 @@ use super::null_space::is_redundant;
 use super::task::TaskConfig;
 use super::velocity_limits::Limits;
 use crate::arm_state::{ArmState, JointCapability, Needs};
-use crate::constraint::Constraint;
+use crate::collision::CollisionGuard;
+use crate::constraint::{self, Constraint};
 use crate::law::{Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
@@ -108,6 +109,13 @@ impl ControllerConfig {
             acceleration: self.keeps_jerk(),
         };
         ArmState::new(&self.robot, self.joint_capability(), needs, time_to_rest)
+    }
+
+    /// Allocates the check of distances; `None`: the controller watches none.
+    pub(in crate::controller) fn allocate_guard(&self) -> Result<Option<CollisionGuard>, ConfigurationError> {
+        let Some((avoidance, _)) = constraint::distances(&self.constraints) else { return Ok(None) };
+        let keeps_acceleration = self.kept_limits().is_some_and(LimitKind::includes_acceleration);
+        CollisionGuard::new(avoidance, &self.robot, (self.drive, self.period_s), keeps_acceleration)
     }
 
     /// Returns what the limits of the controller permit the joints to give.

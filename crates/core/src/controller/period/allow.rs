@@ -1,6 +1,7 @@
 //! The third step: what limits and constraints allow.
 
 use crate::arm_state::ArmState;
+use crate::collision::{CollisionGuard, Moment, ObstacleState};
 use crate::constraint::{self, Inequality};
 use crate::controller::config::{ControllerConfig, Limits};
 use crate::controller::state::Memory;
@@ -36,9 +37,9 @@ impl Allowed {
 /// Returns what a period allows.
 pub(super) fn allow<'a>(
     config: &ControllerConfig,
-    arm: &ArmState,
-    previous: &Memory,
+    (arm, previous, obstacles): (&ArmState, &Memory, &[ObstacleState]),
     allowed: &'a mut Allowed,
+    guard: Option<&mut CollisionGuard>,
 ) -> &'a Allowed {
     let Allowed { limits, without_jerk, inequalities } = &mut *allowed;
     let (robot, motion, period) = (&config.robot, arm.motion(), config.period_s);
@@ -59,5 +60,9 @@ pub(super) fn allow<'a>(
         without_jerk.update(robot, LimitKind::PositionVelocity, motion, period);
     }
     constraint::write(&config.constraints, arm, inequalities);
+    if let (Some(guard), Some((_, rows))) = (guard, constraint::distances(&config.constraints)) {
+        let moment = Moment { arm, drive_state: &previous.drive };
+        guard.begin(moment, obstacles, &limits.velocity_box, &mut inequalities[rows]);
+    }
     allowed
 }

@@ -25,6 +25,7 @@ use self::resolve::{Resolving, resolve};
 use super::config::ControllerConfig;
 use super::state::{Command, Measurement, Memory, StepError};
 use crate::arm_state::ArmState;
+use crate::collision::CollisionGuard;
 use crate::resolution::Solve;
 
 /// The values of one control period. They are allocated once and overwritten in each period. No result depends on their
@@ -35,6 +36,7 @@ pub(super) struct Period {
     allowed: Allowed,
     resolving: Resolving,
     recording: Recording,
+    guard: Option<CollisionGuard>,
 }
 
 impl Period {
@@ -42,7 +44,8 @@ impl Period {
     pub fn new(config: &ControllerConfig, solver: Box<dyn Solve>) -> Result<Self, StepError> {
         let (arm, aiming, allowed) = (config.allocate_arm()?, Aiming::new(config)?, Allowed::new(config));
         let resolving = Resolving::new(config, aiming.targets(), solver);
-        Ok(Self { arm, aiming, allowed, resolving, recording: Recording::new(config.robot.joint_count()) })
+        let recording = Recording::new(config.robot.joint_count());
+        Ok(Self { arm, aiming, allowed, resolving, recording, guard: config.allocate_guard()? })
     }
 
     /// Computes one control period. On an error the memory stays unchanged.
@@ -52,14 +55,14 @@ impl Period {
         memory: &mut Option<Memory>,
         measurement: &Measurement,
     ) -> Result<&Command, StepError> {
-        let Self { arm, aiming, allowed, resolving, recording } = self;
+        let Self { arm, aiming, allowed, resolving, recording, guard } = self;
         measurement.check(config)?;
         memory.as_ref().map_or(Ok(()), |memory| memory.check(config))?;
 
         let (arm, known) = measure(config, memory.as_ref(), measurement, arm)?;
         let Wishes { problem, requests } = aim(config, arm, &known, &measurement.targets, aiming)?;
-        let allowed = allow(config, arm, &known, allowed);
-        let answer = resolve(config, (arm, &known), problem, allowed, resolving)?;
+        let allowed = allow(config, (arm, &known, &measurement.obstacles), allowed, guard.as_mut());
+        let answer = resolve(config, (arm, &known), problem, (allowed, guard.as_mut()), resolving)?;
 
         let in_time = known.is_in_time();
         let memory = match known.into_new() {

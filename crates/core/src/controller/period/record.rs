@@ -51,6 +51,9 @@ pub(super) fn record<'a>(
     if let Some(kind) = config.kept_limits() {
         let velocity = command.resolution.joint_velocity.as_slice();
         command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
+        if let Some(collisions) = &command.collisions {
+            command.hold.time_s = command.hold.time_s.min(collisions.clear_for_s);
+        }
     }
     if let Some(ahead) = virtual_arm {
         match &mut memory.virtual_arm {

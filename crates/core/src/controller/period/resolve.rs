@@ -1,10 +1,13 @@
 //! The fourth step: which joint velocities are the answer.
 
 mod approach;
+mod clear;
 
 use self::approach::Approach;
+use self::clear::keep_clear;
 use super::allow::Allowed;
 use crate::arm_state::ArmState;
+use crate::collision::{CollisionGuard, Moment};
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Command, Memory, TaskTarget};
 use crate::limits::LimitedBox;
@@ -27,6 +30,7 @@ pub(super) struct Answer<'a> {
 pub(super) struct Resolving {
     solver: Box<dyn Solve>,
     approach: Option<Approach>,
+    clear: LimitedBox,
     command: Command,
 }
 
@@ -35,7 +39,8 @@ impl Resolving {
     pub fn new(config: &ControllerConfig, targets: &[TaskTarget], solver: Box<dyn Solve>) -> Self {
         let command =
             Command { targets: targets.to_vec(), stuck: Vec::with_capacity(targets.len()), ..Command::default() };
-        Self { solver, approach: Approach::new(config), command }
+        let clear = LimitedBox::unbounded(config.robot.joint_count());
+        Self { solver, approach: Approach::new(config), clear, command }
     }
 
     /// Returns the command of the last period.
@@ -49,14 +54,11 @@ pub(super) fn resolve<'a>(
     config: &ControllerConfig,
     (arm, previous): (&ArmState, &Memory),
     problem: &'a mut Problem,
-    allowed: &'a Allowed,
-    Resolving { solver, approach, command }: &'a mut Resolving,
+    (allowed, guard): (&'a Allowed, Option<&mut CollisionGuard>),
+    Resolving { solver, approach, clear, command }: &'a mut Resolving,
 ) -> Result<Answer<'a>, ProblemError> {
     for (row, allowed) in problem.inequalities.iter_mut().zip(&allowed.inequalities) {
-        row.overwrite(|coefficients| {
-            coefficients.copy_from_slice(allowed.coefficients().as_slice());
-            allowed.bound()
-        });
+        row.copy_from(allowed);
     }
     let (limits, requested) = if let (Some(approach), Some(without_jerk)) = (approach, &allowed.without_jerk) {
         let (limits, requested) = approach.resolve(
@@ -71,5 +73,16 @@ pub(super) fn resolve<'a>(
         solver.solve(problem, &previous.active_set, &mut command.resolution)?;
         (&allowed.limits, None)
     };
-    Ok(Answer { problem, command, limits, requested })
+    let Some(guard) = guard else { return Ok(Answer { problem, command, limits, requested }) };
+    let moment = Moment { arm, drive_state: &previous.drive };
+    let is_clear = keep_clear(
+        (&mut *guard, moment),
+        (&allowed.limits, &mut *clear),
+        (&mut *problem, &mut **solver, &mut command.resolution),
+        &previous.active_set,
+    )?;
+    let longest = config.valid_for_ms as f64 * 1e-3;
+    guard.update_hold(moment, command.resolution.joint_velocity.as_slice(), longest);
+    command.collisions.get_or_insert_default().copy_from(guard.report());
+    Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
 }

@@ -3,6 +3,7 @@
 use super::stall::StalledJoint;
 use super::stuck_task::StuckTask;
 use super::task_target::TaskTarget;
+use crate::collision::CollisionReport;
 use crate::limits::{BoundCause, Hold};
 use crate::resolution::Resolution;
 
@@ -28,6 +29,8 @@ pub struct Command {
     pub stalled: Vec<StalledJoint>,
     /// How long the joint velocities may be held before a watchdog must brake.
     pub hold: Hold,
+    /// Distances and how they restrict the command; `None`: the controller watches none.
+    pub collisions: Option<CollisionReport>,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
     pub joint_limit_index: f64,
 }

@@ -1,6 +1,8 @@
 //! What the arm measures.
 
 use super::step_error::StepError;
+use crate::collision::ObstacleState;
+use crate::constraint;
 use crate::controller::config::ControllerConfig;
 use crate::streaming::StreamedTarget;
 
@@ -17,6 +19,8 @@ pub struct Measurement {
     pub wrench: [f64; 6],
     /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
     pub targets: Vec<StreamedTarget>,
+    /// Where the moving obstacles of the controller are; each must be named.
+    pub obstacles: Vec<ObstacleState>,
 }
 
 impl Measurement {
@@ -31,9 +35,30 @@ impl Measurement {
         if !finite {
             return Err(StepError::NotFinite);
         }
+        self.check_obstacles(config)?;
         for (index, target) in self.targets.iter().enumerate() {
             target.check(config, self.time_s).map_err(|source| StepError::Target { index, source })?;
         }
         Ok(())
+    }
+
+    /// Checks that each moving obstacle has a finite position and velocity, and that no other one is named.
+    fn check_obstacles(&self, config: &ControllerConfig) -> Result<(), StepError> {
+        let known = constraint::distances(&config.constraints).map_or(&[][..], |(avoidance, _)| &avoidance.obstacles);
+        for (index, state) in self.obstacles.iter().enumerate() {
+            let name = || state.name.to_string();
+            if !known.iter().any(|obstacle| obstacle.moves && obstacle.name == state.name) {
+                return Err(StepError::UnknownObstacle { index, name: name() });
+            }
+            if self.obstacles[..index].iter().any(|earlier| earlier.name == state.name) {
+                return Err(StepError::ObstacleTwice { index, name: name() });
+            }
+            state.check().map_err(|source| StepError::Obstacle { index, name: name(), source })?;
+        }
+        let is_named = |name: &str| self.obstacles.iter().any(|state| &*state.name == name);
+        match known.iter().find(|obstacle| obstacle.moves && !is_named(&obstacle.name)) {
+            Some(missing) => Err(StepError::MissingObstacle { name: missing.name.to_string() }),
+            None => Ok(()),
+        }
     }
 }

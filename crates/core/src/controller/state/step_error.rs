@@ -3,6 +3,7 @@
 use revprio_robot::kinematics::ConfigurationError;
 
 use super::memory::MemoryError;
+use crate::collision::ObstacleError;
 use crate::resolution::ProblemError;
 use crate::streaming::TargetError;
 use crate::task::TaskError;
@@ -29,6 +30,38 @@ pub enum StepError {
         index: usize,
         /// What is wrong with it.
         source: TargetError,
+    },
+    /// The controller has no moving obstacle of this name.
+    #[error("the controller has no moving obstacle `{name}`")]
+    UnknownObstacle {
+        /// Index of the obstacle in the measurement, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+    },
+    /// An obstacle is named twice.
+    #[error("obstacle `{name}` is named twice")]
+    ObstacleTwice {
+        /// Index of the second one, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+    },
+    /// Position or velocity of an obstacle is not allowed.
+    #[error("obstacle `{name}`: {source}")]
+    Obstacle {
+        /// Index of the obstacle in the measurement, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        source: ObstacleError,
+    },
+    /// A moving obstacle of the controller is not named.
+    #[error("say where obstacle `{name}` is; repeat its last position if no new one is known")]
+    MissingObstacle {
+        /// Its name.
+        name: String,
     },
     /// The memory belongs to another controller or is damaged.
     #[error(transparent)]

@@ -1,0 +1,258 @@
+//! Linear rows that tell the solver how its command changes distances along the stop.
+//!
+//! Let u_b be the command of full braking, and let the arm hold u_b for τ and then stop; at some places of that way, let y be
+//! how far the common normal of a pair separates two ends of its shapes, less d_min and a margin ε. A command u instead of u_b moves joint
+//! j there by m_j (u_j − u_bj) to first order: m_j is what a pulse of height 1 and length τ + |u_bj|/A_j moves behind the drive until then.
+//! With g the gradient of the separation, the rows are
+//!
+//! > Σ_j g_j m_j (u_j − u_bj) ≥ −κ y, κ = min(1, γ θ), θ = τ + ½ max_j |u_bj|/A_j.
+//!
+//! At rest this is g·u ≥ −γ y: the distance shrinks at most like e^(−γ t). At speed it says that the stop ends free.
+//!
+//! The rows have ends and a common normal in place of nearest points, because those jump where shapes are parallel. A row that no command
+//! of the box violates is left out, which changes no answer. A row that asks for more than the box can do asks for what it can, so that
+//! it does not outweigh others.
+
+use std::sync::Arc;
+
+use revprio_problem::{Inequality, VelocityBox};
+use revprio_robot::collision::{CollisionModel, PlacedBody};
+use revprio_robot::kinematics::Configuration;
+
+use super::clearance::Scene;
+use super::pair::Pair;
+use super::stop::StopPath;
+use crate::limits::{Drive, braking_deceleration};
+
+/// Maximum number of places.
+const PLACES: usize = 10;
+
+/// Way of the joints between two places that need no place between them, rad or m.
+const WAY_OF_A_PLACE: f64 = 0.02;
+
+/// ε for periods up to 1 ms, m. Longer periods have more, in proportion.
+const MARGIN: f64 = 2e-4;
+
+/// Name of a row that no pair needs.
+pub const NAME: &str = "collision";
+
+/// A place of the stop.
+#[derive(Debug)]
+struct Place {
+    configuration: Configuration,
+    body: PlacedBody,
+    /// m_j, n, s.
+    moved: Vec<f64>,
+    /// How far each joint moves until here at most, n, rad or m.
+    ways: Vec<f64>,
+    time: f64,
+}
+
+/// The nominal stop and the box.
+#[derive(Debug, Clone, Copy)]
+pub struct Nominal<'a> {
+    /// The way of the arm that holds u_b and then stops.
+    pub path: &'a StopPath,
+    /// u_b, n.
+    pub command: &'a [f64],
+    /// τ, s.
+    pub held_s: f64,
+    pub limits: &'a VelocityBox,
+    pub drive: Drive,
+    /// T, s.
+    pub period: f64,
+    /// γ, 1/s.
+    pub rate: f64,
+    /// Whether the joints keep their acceleration limits.
+    pub keeps_acceleration: bool,
+}
+
+/// The memory of the rows.
+#[derive(Debug)]
+pub struct Rows {
+    places: Vec<Place>,
+    ways: Vec<f64>,
+    strays: Vec<f64>,
+    /// Lengths of the pulses, n, s.
+    pulses: Vec<f64>,
+    /// Largest |u_j − u_bj| in the box, n.
+    widths: Vec<f64>,
+    gradient: Vec<f64>,
+    /// Name of a row that no pair needs.
+    unused: Arc<str>,
+    /// How much the box can violate each written row at most, relative to its length.
+    tightness: Vec<f64>,
+}
+
+/// A row and the pair that it belongs to.
+struct Row<'a> {
+    name: &'a Arc<str>,
+    /// a, n, and b of a·u ≤ b.
+    coefficients: &'a [f64],
+    bound: f64,
+}
+
+impl Rows {
+    /// Allocates the memory; `configuration`: of the robot, at any posture.
+    pub fn new(model: &CollisionModel, configuration: &Configuration, rows: usize) -> Self {
+        let memory = vec![0.0; configuration.joint_position().len()];
+        let place = || Place {
+            configuration: configuration.clone(),
+            body: PlacedBody::new(model, configuration),
+            moved: memory.clone(),
+            ways: memory.clone(),
+            time: 0.0,
+        };
+        Self {
+            places: (0..PLACES).map(|_| place()).collect(),
+            ways: memory.clone(),
+            strays: memory.clone(),
+            pulses: memory.clone(),
+            widths: memory.clone(),
+            gradient: memory,
+            unused: NAME.into(),
+            tightness: Vec::with_capacity(rows),
+        }
+    }
+
+    /// Overwrites the rows; those that are not needed always hold. Returns how many could matter.
+    pub fn write(&mut self, scene: Scene, nominal: Nominal, distances: &[f64], rows: &mut [Inequality]) -> usize {
+        self.tightness.clear();
+        for row in rows.iter_mut() {
+            row.rename(&self.unused);
+            row.overwrite(|coefficients| {
+                coefficients.fill(0.0);
+                f64::INFINITY
+            });
+        }
+        let theta = self.measure(nominal, scene);
+        let count = self.place(scene, nominal);
+        let share = (nominal.rate * theta).min(1.0);
+        let margin = scene.min_distance + MARGIN * (nominal.period / 1e-3).max(1.0);
+        let mut found = 0;
+        for (pair, &distance) in scene.pairs.iter().zip(distances) {
+            for k in 0..count {
+                let place = &self.places[k];
+                let way = pair.levers.way(&place.ways) + place.time * pair.obstacle_speed(scene.world);
+                if share * (distance - way - margin) < self.reach(pair, &place.moved) {
+                    found += self.write_at(scene, nominal, (pair, k, share, margin), rows);
+                }
+            }
+        }
+        found
+    }
+
+    /// Updates pulses and widths; returns θ.
+    fn measure(&mut self, nominal: Nominal, scene: Scene) -> f64 {
+        let mut longest: f64 = 0.0;
+        for (joint, description) in scene.robot.joints().iter().enumerate() {
+            let (limits, u_b) = (&description.limits, nominal.command[joint]);
+            let deceleration = braking_deceleration(limits);
+            let rise = if limits.jerk.is_finite() { deceleration / limits.jerk } else { 0.0 };
+            let stop = if nominal.keeps_acceleration && u_b != 0.0 { u_b.abs() / deceleration } else { 0.0 };
+            longest = longest.max(stop);
+            self.pulses[joint] = nominal.held_s + stop + if nominal.keeps_acceleration { rise } else { 0.0 };
+            let [lower, upper] = [nominal.limits.lower()[joint], nominal.limits.upper()[joint]];
+            self.widths[joint] = (upper - u_b).max(u_b - lower).max(0.0);
+        }
+        nominal.held_s + 0.5 * longest
+    }
+
+    /// Moves the places along the way; returns their number.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive; more than allowed saturates"
+    )]
+    fn place(&mut self, scene: Scene, nominal: Nominal) -> usize {
+        let (path, last) = (nominal.path, nominal.path.nodes() - 1);
+        path.write_ways((0, last), &mut self.ways, &mut self.strays);
+        let way: f64 = self.ways.iter().sum();
+        let count = (1 + (way / WAY_OF_A_PLACE) as usize).min(PLACES);
+        let dead_time = nominal.drive.delay_periods as f64 * nominal.period;
+        for (k, place) in self.places[..count].iter_mut().enumerate() {
+            let node = if k + 1 == count { last } else { path.last_period() * (k + 1) / count };
+            if place.configuration.update(scene.robot, path.position(node)).is_err() {
+                return k;
+            }
+            place.body.update(scene.model, &place.configuration);
+            path.write_ways((0, node), &mut place.ways, &mut self.strays);
+            place.time = path.time(node);
+            let since = if node == last { f64::INFINITY } else { place.time - dead_time };
+            for (moved, pulse) in place.moved.iter_mut().zip(&self.pulses) {
+                *moved = pulse_response(since, *pulse, nominal.drive.lag_s);
+            }
+        }
+        count
+    }
+
+    /// Returns a bound of how much the commands of the box can change the distance of a pair, m; `moved`: n, s.
+    fn reach(&self, pair: &Pair, moved: &[f64]) -> f64 {
+        pair.levers.lever.iter().zip(moved).zip(&self.widths).map(|((lever, moved), width)| lever * moved * width).sum()
+    }
+
+    /// Writes the rows of a pair at a place; returns how many could matter.
+    fn write_at(
+        &mut self,
+        scene: Scene,
+        nominal: Nominal,
+        (pair, k, share, margin): (&Pair, usize, f64, f64),
+        rows: &mut [Inequality],
+    ) -> usize {
+        let place = &self.places[k];
+        let at = pair.separation(&place.body, scene.world, place.time);
+        if share * (at.distance - margin) >= self.reach(pair, &place.moved) {
+            return 0;
+        }
+        let mut found = 0;
+        for (points, separated) in pair.ends(&place.body, scene.world, place.time, &at.normal) {
+            place.configuration.write_distance_gradient(points, &at.normal, &mut self.gradient);
+            let mut bound = share * (separated - margin) / nominal.held_s;
+            let (mut least, mut most) = (0.0, 0.0);
+            for (joint, entry) in self.gradient.iter_mut().enumerate() {
+                *entry *= -place.moved[joint] / nominal.held_s;
+                bound += *entry * nominal.command[joint];
+                let ends = [nominal.limits.lower()[joint], nominal.limits.upper()[joint]].map(|end| *entry * end);
+                (least, most) = (least + ends[0].min(ends[1]), most + ends[0].max(ends[1]));
+            }
+            if most <= bound || !(most - least > f64::MIN_POSITIVE) {
+                continue;
+            }
+            found += 1;
+            let row = Row { name: &pair.name, coefficients: &self.gradient, bound: bound.max(least) };
+            let tightness = (most - row.bound) / (most - least);
+            keep(&mut self.tightness, rows, &row, tightness);
+        }
+        found
+    }
+}
+
+/// Writes a row into a free place, or into that of the row which matters least.
+fn keep(tightness: &mut Vec<f64>, rows: &mut [Inequality], row: &Row, tight: f64) {
+    let place = if tightness.len() < rows.len() {
+        tightness.push(tight);
+        tightness.len() - 1
+    } else {
+        let Some((place, least)) = tightness.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)) else { return };
+        if *least >= tight {
+            return;
+        }
+        tightness[place] = tight;
+        place
+    };
+    rows[place].rename(row.name);
+    rows[place].overwrite(|coefficients| {
+        coefficients.copy_from_slice(row.coefficients);
+        row.bound
+    });
+}
+
+/// Returns how far a velocity of 1 for a time `pulse` moves a joint until `since` its start behind a lag, s; all times in s.
+fn pulse_response(since: f64, pulse: f64, lag: f64) -> f64 {
+    let response = |time: f64| match time {
+        _ if time <= 0.0 => 0.0,
+        _ if lag > 0.0 => time - lag * (1.0 - (-time / lag).exp()),
+        _ => time,
+    };
+    if since == f64::INFINITY { pulse } else { response(since) - response(since - pulse) }
+}

@@ -1,0 +1,40 @@
+//! Names of the rows of constraints.
+
+use std::sync::Arc;
+
+use revprio_core::collision::CollisionReport;
+use revprio_core::constraint::Constraint;
+use revprio_core::controller::{Command, ControllerConfig};
+
+/// The names of constraints, and of the rows that watch distances.
+#[derive(Debug, Clone, Default)]
+pub struct ConstraintNames<'a> {
+    names: Vec<&'a str>,
+    distances: Option<(usize, &'a [Arc<str>])>,
+}
+
+impl<'a> ConstraintNames<'a> {
+    /// Returns the names of the constraints of a controller; `command`: of the period.
+    pub fn of_command(config: &'a ControllerConfig, command: &'a Command) -> Self {
+        let rows = |report: &'a CollisionReport| report.row_names.as_slice();
+        let index = config.constraints.iter().position(|constraint| constraint.distances().is_some());
+        Self {
+            names: config.constraints.iter().map(Constraint::name).collect(),
+            distances: index.zip(command.collisions.as_ref().map(rows)),
+        }
+    }
+
+    /// Returns the name of a row of a constraint.
+    pub fn get(&self, index: usize, row: usize) -> &'a str {
+        match self.distances {
+            Some((distances, rows)) if distances == index => rows.get(row).map_or(self.names[index], |name| name),
+            _ => self.names[index],
+        }
+    }
+}
+
+impl<'a> From<Vec<&'a str>> for ConstraintNames<'a> {
+    fn from(names: Vec<&'a str>) -> Self {
+        Self { names, distances: None }
+    }
+}

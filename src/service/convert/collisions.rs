@@ -1,0 +1,182 @@
+//! Shapes and obstacles.
+
+use nalgebra::{IsometryMatrix3, Vector3};
+use revprio_api::wire;
+use revprio_core::collision::{
+    CollisionAvoidance, CollisionReport, MAX_OBSTACLES, Obstacle, ObstacleShape, ObstacleState, PairReport,
+};
+use revprio_robot::collision::{
+    CollisionError, CollisionModel, LinkCapsule, MAX_CAPSULES, OrientedBox, PairReason, Segment, StatedPair,
+};
+use revprio_robot::{LinkId, RobotModel};
+
+use super::checks::{Inside, Refused, Result, check, each};
+use super::numbers::{check_numbers, number};
+use super::pose::pose;
+use crate::service::error::ApiError;
+use crate::service::robots::MAX_NAME;
+
+/// Reads what a controller keeps clear of.
+pub fn avoidance(collisions: &wire::Collisions) -> Result<CollisionAvoidance> {
+    let wire::Collisions { min_distance_m, rate_per_s, own_links, obstacles } = collisions;
+    check(obstacles.len() <= MAX_OBSTACLES, "/obstacles", format_args!("give at most {MAX_OBSTACLES} obstacles"))?;
+    let min_distance_m = number(*min_distance_m, "/min_distance_m")?;
+    check((0.0..=1.0).contains(&min_distance_m), "/min_distance_m", "give 0 to 1 m")?;
+    let rate_per_s = number(*rate_per_s, "/rate_per_s")?;
+    check(rate_per_s > 0.0, "/rate_per_s", "give a positive rate")?;
+    let obstacles: Vec<Obstacle> = each("/obstacles", obstacles, |_, found| obstacle(found))?;
+    for (i, later) in obstacles.iter().enumerate() {
+        let is_new = !obstacles[..i].iter().any(|earlier| earlier.name == later.name);
+        let detail = format_args!("two obstacles are named `{}`; give each its own name", later.name);
+        check(is_new, &format!("/obstacles/{i}/name"), detail)?;
+    }
+    Ok(CollisionAvoidance { min_distance_m, rate_per_s, own: *own_links, obstacles })
+}
+
+fn obstacle(obstacle: &wire::RoomObstacle) -> Result<Obstacle> {
+    let wire::RoomObstacle { name, sphere, capsule, cuboid, half_space, moves } = obstacle;
+    let is_word = (1..=MAX_NAME).contains(&name.len()) && !name.contains(|c: char| c.is_control() || c == '`');
+    check(is_word, "/name", format_args!("give a name of 1 to {MAX_NAME} bytes"))?;
+    let (field, shape) = match (sphere, capsule, cuboid, half_space) {
+        (Some(sphere), None, None, None) => ("/sphere", sphere_core(sphere).inside("/sphere").map(capsule_shape)?),
+        (None, Some(capsule), None, None) => ("/capsule", capsule_core(capsule).inside("/capsule").map(capsule_shape)?),
+        (None, None, Some(cuboid), None) => ("/box", box_shape(cuboid).inside("/box")?),
+        (None, None, None, Some(half_space)) => ("/half_space", half_space_shape(half_space).inside("/half_space")?),
+        _ => return Err(ApiError::invalid("", "give exactly one of `sphere`, `capsule`, `box` and `half_space`")),
+    };
+    Obstacle::new(name.as_str(), shape, *moves).at(field)
+}
+
+fn capsule_shape((core, radius): (Segment, f64)) -> ObstacleShape {
+    ObstacleShape::Capsule { core, radius }
+}
+
+fn sphere_core(sphere: &wire::Sphere) -> Result<(Segment, f64)> {
+    check_numbers(&sphere.center, "/center")?;
+    Ok((Segment::point(sphere.center.into()), number(sphere.radius, "/radius")?))
+}
+
+fn capsule_core(capsule: &wire::Capsule) -> Result<(Segment, f64)> {
+    check_numbers(&capsule.start, "/start")?;
+    check_numbers(&capsule.end, "/end")?;
+    Ok((Segment { from: capsule.start.into(), to: capsule.end.into() }, number(capsule.radius, "/radius")?))
+}
+
+fn box_shape(cuboid: &wire::Cuboid) -> Result<ObstacleShape> {
+    check_numbers(&cuboid.size, "/size")?;
+    let pose: IsometryMatrix3<f64> = pose(&cuboid.pose).inside("/pose")?;
+    Ok(ObstacleShape::Box(OrientedBox { pose, half: Vector3::from(cuboid.size) * 0.5 }))
+}
+
+fn half_space_shape(half_space: &wire::HalfSpace) -> Result<ObstacleShape> {
+    check_numbers(&half_space.normal, "/normal")?;
+    let offset = number(half_space.offset_m, "/offset_m")?;
+    Ok(ObstacleShape::HalfSpace { normal: half_space.normal.into(), offset })
+}
+
+/// Reads where obstacles are.
+pub fn obstacle_states(states: &[wire::ObstacleState]) -> Result<Vec<ObstacleState>> {
+    check(states.len() <= MAX_OBSTACLES, "/obstacles", format_args!("give at most {MAX_OBSTACLES} obstacles"))?;
+    each("/obstacles", states, |_, state| {
+        check_numbers(&state.position, "/position")?;
+        check_numbers(&state.velocity, "/velocity")?;
+        let (position, velocity) = (state.position.into(), state.velocity.into());
+        Ok(ObstacleState { name: state.name.as_str().into(), position, velocity })
+    })
+}
+
+/// Returns the same robot with the shapes of a registration.
+pub fn with_shapes(robot: RobotModel, request: &wire::RobotRegistration) -> Result<RobotModel> {
+    let Some(shapes) = &request.shape_list else {
+        check(request.collision_pairs.is_none(), "/collision_pairs", "give `shape_list` too")?;
+        return Ok(robot);
+    };
+    check(shapes.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
+    let capsules = each("/shape_list", shapes, |_, shape| link_capsule(&robot, shape))?;
+    let pairs = request.collision_pairs.iter().flat_map(|pairs| &pairs.leave_out);
+    let stated = pairs.enumerate().map(|(i, names)| {
+        let at = |side: usize| format!("/collision_pairs/leave_out/{i}/{side}");
+        let links = [link(&robot, &names[0], &at(0))?, link(&robot, &names[1], &at(1))?];
+        Ok(StatedPair { links, reason: STATED.to_owned() })
+    });
+    let stated = stated.collect::<Result<Vec<StatedPair>>>()?;
+    robot.with_capsules(capsules, &stated).map_err(|error| {
+        let pointer = match error {
+            CollisionError::Capsule { index } => format!("/shape_list/{index}"),
+            CollisionError::TooMany { .. } => "/shape_list".to_owned(),
+        };
+        ApiError::invalid(pointer, error)
+    })
+}
+
+/// Reason of pairs that a registration leaves out.
+const STATED: &str = "stated";
+
+fn link_capsule(robot: &RobotModel, shape: &wire::LinkShape) -> Result<LinkCapsule> {
+    let link = link(robot, &shape.link, "/link")?;
+    let (core, radius) = match (&shape.capsule, &shape.sphere) {
+        (Some(capsule), None) => capsule_core(capsule).inside("/capsule")?,
+        (None, Some(sphere)) => sphere_core(sphere).inside("/sphere")?,
+        _ => return Err(ApiError::invalid("", "give either `capsule` or `sphere`")),
+    };
+    Ok(LinkCapsule { link, core, radius })
+}
+
+fn link(robot: &RobotModel, name: &str, pointer: &str) -> Result<LinkId> {
+    robot.link(name).ok_or_else(|| {
+        let names: Vec<String> = robot.links().iter().map(|link| link.name.clone()).collect();
+        let detail = format!("`{}` has no link `{name}`; give one of {}", robot.name(), names.join(", "));
+        ApiError::invalid(pointer, detail).with_candidates(&names)
+    })
+}
+
+/// Returns the shapes of a robot; `None`: it has none.
+pub fn shapes_answer(robot: &RobotModel) -> Option<wire::RobotShapes> {
+    let model = robot.collision()?;
+    let name = |link: LinkId| robot.links()[link.index()].name.clone();
+    let shape = |capsule: &LinkCapsule| {
+        let (Segment { from, to }, radius) = (capsule.core, capsule.radius);
+        let is_sphere = from == to;
+        wire::LinkShape {
+            link: name(capsule.link),
+            capsule: (!is_sphere).then(|| wire::Capsule { start: from.into(), end: to.into(), radius }),
+            sphere: is_sphere.then(|| wire::Sphere { center: from.into(), radius }),
+        }
+    };
+    Some(wire::RobotShapes {
+        shape_list: model.capsules().iter().map(shape).collect(),
+        watched_pairs: model.pairs().len(),
+        left_out: left_out_answer(model, name),
+    })
+}
+
+fn left_out_answer(model: &CollisionModel, name: impl Fn(LinkId) -> String) -> Vec<wire::LeftOutPair> {
+    let pairs = model.left_out().iter().map(|pair| wire::LeftOutPair {
+        links: pair.links.map(&name),
+        reason: match &pair.reason {
+            PairReason::Neighbours => "neighbours".to_owned(),
+            PairReason::AlwaysTouch => "always_touch".to_owned(),
+            PairReason::Stated(reason) => reason.clone(),
+        },
+    });
+    pairs.collect()
+}
+
+/// Returns the report of a period.
+pub fn report_answer(report: &CollisionReport) -> wire::CollisionReport {
+    let pair = |pair: &PairReport| wire::PairDistance {
+        a: pair.link.to_string(),
+        b: pair.other.to_string(),
+        distance_m: pair.distance_m,
+        points: pair.points.map(Into::into),
+    };
+    let [made, left] = report.rows;
+    wire::CollisionReport {
+        least_distance_m: report.least_distance_m,
+        pairs: report.pairs.iter().map(pair).collect(),
+        rows: wire::CollisionRows { made, left },
+        share: report.share,
+        stop_in_s: report.stop_s,
+        violated: report.is_violated,
+    }
+}
