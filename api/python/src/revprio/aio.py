@@ -20,6 +20,7 @@ from revprio.models import (
     KinematicsAnswer,
     KinematicsRequest,
     Memory,
+    ObstacleState,
     ResolveAnswer,
     ResolveRequest,
     Robot,
@@ -249,9 +250,11 @@ class AsyncController(ABC):
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
+        obstacles: Sequence[ObstacleState] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
-        return await self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
+        state = self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets, obstacles)
+        return await self.step_state(state)
 
     @abstractmethod
     async def step_state(self, state: State) -> StepAnswer:

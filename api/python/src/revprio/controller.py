@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
 from revprio import native
 from revprio._native import RefusedError
 from revprio.bodies import ArrayLike, JointVector
-from revprio.models import ControllerConfig, State, StepAnswer, StreamedTarget, Wrench
+from revprio.models import ControllerConfig, ObstacleState, State, StepAnswer, StreamedTarget, Wrench
 from revprio.native import LazyStepAnswer, set_fields
 from revprio.typed import fields_of
 
@@ -58,6 +58,7 @@ class Controller:
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
+        obstacles: Sequence[ObstacleState] | None = None,
     ) -> StepAnswer:
         """Runs one control period.
 
@@ -66,6 +67,7 @@ class Controller:
         `wrench`: force (N) and torque (N·m), 6, as the controller's `wrench_convention` and `wrench_frame` define.
         `time_s`: time t of the set-point profiles, s; default: the sequence number times the period.
         `targets`: new targets by task name, as in teleoperation; default: none. The service interpolates between them.
+        `obstacles`: where the moving obstacles of the controller are; each must be named. Default: none.
 
         Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
         `Watchdog`. With a service: if an answer is lost, the client sends the state again with the same sequence
@@ -77,8 +79,9 @@ class Controller:
         if time_s is None:
             time_s = sequence * self.period_s
         sent = None if targets is None else native.targets_json(targets)
+        moved = None if obstacles is None else native.obstacles_json(obstacles)
         try:
-            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, sent)
+            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, (sent, moved))
         except RefusedError as refusal:
             raise native.problem(refusal) from None
         answer = new(LazyStepAnswer)
@@ -108,6 +111,7 @@ class Controller:
             wrench=state.wrench,
             time_s=state.time_s,
             targets=state.targets,
+            obstacles=state.obstacles,
         )
 
     def __reduce__(self) -> str:

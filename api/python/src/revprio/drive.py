@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.controller import Controller
 from revprio.errors import RevprioError
-from revprio.models import StepAnswer, StreamedTarget, Wrench
+from revprio.models import ObstacleState, StepAnswer, StreamedTarget, Wrench
 from revprio.pace import Drive, Pace, SlowLoopWarning
 from revprio.watchdog import Watchdog
 
@@ -29,6 +29,8 @@ class Measurement:
     targets: Mapping[str, StreamedTarget] | None = None
     """The newest targets with their own `time_s`. Give them in every period: a measurement is not sent while an earlier
     one waits for its answer, and the service ignores a repeated target."""
+    obstacles: Sequence[ObstacleState] | None = None
+    """Where the moving obstacles of the controller are."""
 
 
 def drive(

@@ -35,11 +35,16 @@ __all__ = [
     "BatchAnswer",
     "BatchItem",
     "BatchRequest",
+    "Capsule",
     "Certificate",
     "CertificatePart",
     "CertifiedLevel",
     "CertifiedProblem",
     "ChainView",
+    "CollisionPairs",
+    "CollisionReport",
+    "CollisionRows",
+    "Collisions",
     "ConstantProfile",
     "Contact",
     "ContactKind",
@@ -48,6 +53,7 @@ __all__ = [
     "ControllerConfig",
     "ControllerTask",
     "CreatedController",
+    "Cuboid",
     "Damping",
     "DenavitHartenberg",
     "DriveState",
@@ -59,6 +65,7 @@ __all__ = [
     "Frame",
     "FramePose",
     "Friction",
+    "HalfSpace",
     "HybridLaw",
     "ImpedanceLaw",
     "Inequality",
@@ -76,12 +83,14 @@ __all__ = [
     "LaterTarget",
     "Law",
     "LeftOutJoint",
+    "LeftOutPair",
     "LeftOutReason",
     "LevelMultipliers",
     "LimitKind",
     "Limits",
     "Line",
     "LinkFrame",
+    "LinkShape",
     "LiveFrame",
     "LiveSample",
     "Memory",
@@ -91,8 +100,10 @@ __all__ = [
     "NullSpaceMotion",
     "NullSpaceVelocity",
     "Obstacle",
+    "ObstacleState",
     "Orientation",
     "Outage",
+    "PairDistance",
     "Path",
     "PathCounts",
     "PerAxisBool",
@@ -119,8 +130,10 @@ __all__ = [
     "RobotJoint",
     "RobotList",
     "RobotRegistration",
+    "RobotShapes",
     "RobotSource",
     "RobotTip",
+    "RoomObstacle",
     "RowName",
     "Scenario",
     "ScenarioEntry",
@@ -141,6 +154,7 @@ __all__ = [
     "Solver",
     "SolverLevel",
     "SolverReport",
+    "Sphere",
     "StabilityAnswer",
     "StabilityRequest",
     "Stall",
@@ -1120,6 +1134,201 @@ class BatchRequest(Body):
     """Problems, at most 10 000. Each is solved on its own, so their order does not matter."""
 
 
+class Capsule(Body):
+    """All points within a radius of a segment.
+
+    Fields:
+
+    - end: The other end, m. Shape: 3.
+    - radius: Radius, m.
+    - start: One end of the segment, m; of an obstacle in the base frame, of a link in its frame. Shape: 3.
+    """
+
+    end: Vector
+    """The other end, m. Shape: 3."""
+    radius: float
+    """Radius, m."""
+    start: Vector
+    """One end of the segment, m; of an obstacle in the base frame, of a link in its frame. Shape: 3."""
+
+
+class CollisionPairs(Body):
+    """Pairs of links of which nothing is watched.
+
+    Fields:
+
+    - leave_out: Pairs of links that may touch, besides neighbours and those that touch in every posture.
+    """
+
+    leave_out: list[OneOrMore[str]] | None = None
+    """Pairs of links that may touch, besides neighbours and those that touch in every posture."""
+
+
+class PairDistance(Answer):
+    """Distance of one pair.
+
+    Fields:
+
+    - a: Name of the link.
+    - b: Name of the other link, or of the obstacle.
+    - distance_m: Distance, m; negative: how far the shapes intersect.
+    - points: The nearest points on both surfaces in the base frame, m.
+    """
+
+    a: str
+    """Name of the link."""
+    b: str
+    """Name of the other link, or of the obstacle."""
+    distance_m: float
+    """Distance, m; negative: how far the shapes intersect."""
+    points: list[FloatArray]
+    """The nearest points on both surfaces in the base frame, m."""
+
+
+class CollisionRows(Answer):
+    """Numbers of rows.
+
+    Fields:
+
+    - left: Rows that the solver got.
+    - made: Rows that could matter.
+    """
+
+    left: int
+    """Rows that the solver got."""
+    made: int
+    """Rows that could matter."""
+
+
+class CollisionReport(Answer):
+    """Distances of the shapes and how they restrict the joint velocities.
+
+    Fields:
+
+    - least_distance_m: Distance of the nearest pair, m.
+    - pairs: The nearest pairs, at most eight, the nearest first.
+    - rows: How many rows could matter to the solver, and how many it got.
+    - share: Share of the allowed joint velocities, around full braking, among which the answer was found: 1
+      usually; less if the stop after the first answer would have come too near; 0: the joint velocities are those
+      of full braking.
+    - stop_in_s: Time that the arm needs to stop, s.
+    - violated: Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an
+      obstacle comes, or the bound between two samples is too rough.
+    """
+
+    least_distance_m: float
+    """Distance of the nearest pair, m."""
+    pairs: list[PairDistance]
+    """The nearest pairs, at most eight, the nearest first."""
+    rows: CollisionRows
+    """How many rows could matter to the solver, and how many it got."""
+    share: float
+    """Share of the allowed joint velocities, around full braking, among which the answer was found: 1 usually; less if
+    the stop after the first answer would have come too near; 0: the joint velocities are those of full braking."""
+    stop_in_s: float
+    """Time that the arm needs to stop, s."""
+    violated: bool
+    """Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an obstacle comes,
+    or the bound between two samples is too rough."""
+
+
+class Cuboid(Body):
+    """A box.
+
+    Fields:
+
+    - pose: Pose of its middle in the base frame, m.
+    - size: Lengths of its edges along its own axes, m. Shape: 3.
+    """
+
+    pose: Pose
+    """Pose of its middle in the base frame, m."""
+    size: Vector
+    """Lengths of its edges along its own axes, m. Shape: 3."""
+
+
+class HalfSpace(Body):
+    """All points x with n·x ≤ offset.
+
+    Fields:
+
+    - normal: Normal n in the base frame, towards the free side, of any length but zero. Shape: 3.
+    - offset_m: Distance of the surface from the base origin along n, m.
+    """
+
+    normal: Vector
+    """Normal n in the base frame, towards the free side, of any length but zero. Shape: 3."""
+    offset_m: float
+    """Distance of the surface from the base origin along n, m."""
+
+
+class Sphere(Body):
+    """All points within a radius of a centre.
+
+    Fields:
+
+    - radius: Radius, m.
+    - center: Centre, m; of an obstacle in the base frame, of a link in its frame; default: the origin. Shape: 3.
+    """
+
+    radius: float
+    """Radius, m."""
+    center: Vector | None = None
+    """Centre, m; of an obstacle in the base frame, of a link in its frame; default: the origin. Shape: 3."""
+
+
+class RoomObstacle(Body):
+    """A shape of the room: one of `sphere`, `capsule`, `box`, `half_space`.
+
+    Fields:
+
+    - name: Name, unique among the obstacles.
+    - box: A box.
+    - capsule: A capsule.
+    - half_space: All that is behind a plane, such as the floor.
+    - moves: Whether each state says where it is; default `false`: it stands where it is.
+    - sphere: A sphere.
+    """
+
+    name: str
+    """Name, unique among the obstacles."""
+    box: Cuboid | None = None
+    """A box."""
+    capsule: Capsule | None = None
+    """A capsule."""
+    half_space: HalfSpace | None = None
+    """All that is behind a plane, such as the floor."""
+    moves: bool | None = None
+    """Whether each state says where it is; default `false`: it stands where it is."""
+    sphere: Sphere | None = None
+    """A sphere."""
+
+
+class Collisions(Body):
+    """What an arm keeps clear of. It is no safety function: it trusts the shapes, the drive and the measured
+    positions.
+
+    Fields:
+
+    - min_distance_m: Distance that shapes keep, m. Set it to what measurement and shapes may be wrong by; default
+      0.01.
+    - obstacles: Shapes of the room; default: none.
+    - own_links: Whether the links keep clear of each other; default `true`.
+    - rate_per_s: Maximum rate at which a distance shrinks to `min_distance_m`, 1/s. A smaller one slows the arm
+      earlier; default 10.
+    """
+
+    min_distance_m: float | None = None
+    """Distance that shapes keep, m. Set it to what measurement and shapes may be wrong by; default 0.01."""
+    obstacles: list[RoomObstacle] | None = None
+    """Shapes of the room; default: none."""
+    own_links: bool | None = None
+    """Whether the links keep clear of each other; default `true`."""
+    rate_per_s: float | None = None
+    """Maximum rate at which a distance shrinks to `min_distance_m`, 1/s. A smaller one slows the arm earlier; default
+    10."""
+
+
 ContactKind = Literal["spring", "wall", "plane"]
 """Kind of a contact."""
 
@@ -1746,6 +1955,7 @@ class ControllerConfig(Body):
     - characteristic_length_m: Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values,
       in damping, and where the rows of a task are weighed against each other. Set it to the reach of an arm that is
       much smaller or larger than 1 m; default 1.
+    - collisions: Shapes that the links keep clear of. It needs a robot with shapes; default: none.
     - damping: Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for
       simulations. Default: threshold 0.15, max_factor 0.15.
     - drive: How the joints follow a command. Set it if you have measured your arm, so that it brakes in time;
@@ -1795,6 +2005,8 @@ class ControllerConfig(Body):
     """Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the
     rows of a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1
     m; default 1."""
+    collisions: Collisions | None = None
+    """Shapes that the links keep clear of. It needs a robot with shapes; default: none."""
     damping: Damping | None = None
     """Damping near singularities, which trades accuracy for lower joint speeds; `null`: no damping, for simulations.
     Default: threshold 0.15, max_factor 0.15."""
@@ -2148,6 +2360,21 @@ class LeftOutJoint(Answer):
     """Why it is left out."""
 
 
+class LeftOutPair(Answer):
+    """A pair of links that is not watched.
+
+    Fields:
+
+    - links: The links.
+    - reason: `neighbours`, `always_touch`, or what was stated.
+    """
+
+    links: list[str]
+    """The links."""
+    reason: str
+    """`neighbours`, `always_touch`, or what was stated."""
+
+
 class Line(Body):
     """A line of the virtual arm from the place of the tool to targets that have jumped.
 
@@ -2173,6 +2400,24 @@ class Line(Body):
     """The largest rates of progress there, 1/s."""
     is_given_up: bool | None = None
     """Whether the line is out of reach or too slow; default: no."""
+
+
+class LinkShape(Body):
+    """A capsule or a sphere that covers a link, or a part of it.
+
+    Fields:
+
+    - link: Link that carries it.
+    - capsule: A capsule; either this or `sphere`.
+    - sphere: A sphere; either this or `capsule`.
+    """
+
+    link: str
+    """Link that carries it."""
+    capsule: Capsule | None = None
+    """A capsule; either this or `sphere`."""
+    sphere: Sphere | None = None
+    """A sphere; either this or `capsule`."""
 
 
 class PathCounts(Answer):
@@ -2777,6 +3022,24 @@ Obstacle = Literal["limits", "singularity", "higher_tasks"]
 """What holds a task back."""
 
 
+class ObstacleState(Body):
+    """Where a moving obstacle is.
+
+    Fields:
+
+    - name: Name of the obstacle.
+    - position: Position of its middle in the base frame, m. Shape: 3.
+    - velocity: Its velocity, m/s; default: it stands. Shape: 3.
+    """
+
+    name: str
+    """Name of the obstacle."""
+    position: Vector
+    """Position of its middle in the base frame, m. Shape: 3."""
+    velocity: Vector | None = None
+    """Its velocity, m/s; default: it stands. Shape: 3."""
+
+
 class RegisteredTip(Body):
     """A frame on a link that tasks can name, such as a tool.
 
@@ -2862,6 +3125,24 @@ class RobotChain(Answer):
     """Link of the tool frame."""
 
 
+class RobotShapes(Answer):
+    """The shapes of a robot and the pairs that are watched.
+
+    Fields:
+
+    - left_out: Pairs of links that are not watched, with the reasons.
+    - shape_list: Shapes.
+    - watched_pairs: Number of pairs of shapes that keep clear of each other.
+    """
+
+    left_out: list[LeftOutPair]
+    """Pairs of links that are not watched, with the reasons."""
+    shape_list: list[LinkShape]
+    """Shapes."""
+    watched_pairs: int
+    """Number of pairs of shapes that keep clear of each other."""
+
+
 class RobotTip(Answer):
     """A frame on a link.
 
@@ -2888,6 +3169,7 @@ class Robot(Answer):
     - source: Format that described the robot.
     - chain: The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows.
     - links: Names of the links, base first. Tasks can name them too.
+    - shapes: Shapes and watched pairs; absent: the robot has no shapes.
     - tips: Tips, first the tool. Tasks name them as `link` and `relative_to`.
     """
 
@@ -2903,6 +3185,8 @@ class Robot(Answer):
     """The chain of the URDF text that was taken for the arm; absent for Denavit-Hartenberg rows."""
     links: list[str] = Field(default_factory=list)
     """Names of the links, base first. Tasks can name them too."""
+    shapes: RobotShapes | None = None
+    """Shapes and watched pairs; absent: the robot has no shapes."""
     tips: list[RobotTip] = Field(default_factory=list)
     """Tips, first the tool. Tasks name them as `link` and `relative_to`."""
 
@@ -2948,8 +3232,10 @@ class RobotRegistration(Body):
     - name: Name for requests: at most 64 letters, digits, `_`, `-` and `.`.
     - urdf: URDF text, `<robot …>`.
     - base: Base link; default: the root of the tree.
+    - collision_pairs: Pairs of links of which nothing is watched.
     - joint_names: New names, by the name of the joint in the text.
     - limits: Limits that replace or complete those of the text, by the name of the joint in the text.
+    - shape_list: Shapes that cover the links, so that controllers can keep clear; default: none.
     - tip: Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
     - tips: Tips of a robot with several arms, first the tool; then the robot is all that is below the base. Set it
       for two arms, a torso or a mobile base; instead of `tip`.
@@ -2962,10 +3248,14 @@ class RobotRegistration(Body):
     """URDF text, `<robot …>`."""
     base: str | None = None
     """Base link; default: the root of the tree."""
+    collision_pairs: CollisionPairs | None = None
+    """Pairs of links of which nothing is watched."""
     joint_names: dict[str, str] | None = None
     """New names, by the name of the joint in the text."""
     limits: dict[str, StatedLimits] | None = None
     """Limits that replace or complete those of the text, by the name of the joint in the text."""
+    shape_list: list[LinkShape] | None = None
+    """Shapes that cover the links, so that controllers can keep clear; default: none."""
     tip: str | None = None
     """Link of the tool frame; default: the end of the only chain or of the only arm, without gripper."""
     tips: list[RegisteredTip] | None = None
@@ -3304,6 +3594,7 @@ class State(Body):
       clock of Unix (times above 1e9 s) they count from the first state.
     - joint_velocity: Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its
       velocities are noisy; default: the last command.
+    - obstacles: Where the moving obstacles of the controller are; each must be named. Default: none.
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
       task interpolates or extrapolates, as its `streaming` says.
     - wrench: Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and
@@ -3321,6 +3612,8 @@ class State(Body):
     joint_velocity: JointVector | None = None
     """Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its velocities are noisy;
     default: the last command."""
+    obstacles: list[ObstacleState] | None = None
+    """Where the moving obstacles of the controller are; each must be named. Default: none."""
     targets: dict[str, StreamedTarget] | None = None
     """New targets by task name, if any arrived since the last state; default: none. Between targets the task
     interpolates or extrapolates, as its `streaming` says."""
@@ -3377,6 +3670,7 @@ class StepAnswer(Answer):
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
+    - collisions: Distances of the shapes; absent: the controller watches none.
     - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
     - fading_since_s: Time since which the requests fade, s; default: they do not.
     - memory: Memory to send with the next state; only in answers without a session.
@@ -3420,6 +3714,8 @@ class StepAnswer(Answer):
     contain."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
+    collisions: CollisionReport | None = None
+    """Distances of the shapes; absent: the controller watches none."""
     contradictions: list[Contradiction] = Field(default_factory=list)
     """Contradictions: minimal sets of demands that cannot all be kept."""
     fading_since_s: float | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, SupportsIndex
 
@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from revprio import _native
 from revprio.bodies import Body
 from revprio.errors import ProblemError, problem_error
-from revprio.models import Problem, ResolveAnswer, StepAnswer, StreamedTarget
+from revprio.models import ObstacleState, Problem, ResolveAnswer, StepAnswer, StreamedTarget
 
 DICT = BaseModel.__dict__["__dict__"]
 """The attribute that holds the fields of a model."""
@@ -64,6 +64,18 @@ def targets_json(targets: Mapping[str, StreamedTarget]) -> bytes:
     """Returns the JSON of the targets of a state."""
     each = Targets(targets=dict(targets)).targets.items()
     return b"{" + b",".join(json.dumps(name).encode() + b":" + target.json_bytes() for name, target in each) + b"}"
+
+
+class Obstacles(Body):
+    """Where obstacles are."""
+
+    obstacles: list[ObstacleState]
+
+
+def obstacles_json(obstacles: Sequence[ObstacleState]) -> bytes:
+    """Returns the JSON of the obstacles of a state."""
+    each = Obstacles(obstacles=list(obstacles)).obstacles
+    return b"[" + b",".join(obstacle.json_bytes() for obstacle in each) + b"]"
 
 
 def call(method: str, path: str, body: bytes) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import Self
@@ -19,6 +19,7 @@ from revprio.models import (
     ControllerConfig,
     CreatedController,
     Memory,
+    ObstacleState,
     SessionStatus,
     State,
     StepAnswer,
@@ -48,9 +49,11 @@ class RemoteController(Controller):
         wrench: Wrench | ArrayLike | None = None,
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
+        obstacles: Sequence[ObstacleState] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
-        return self.step_state(self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets))
+        state = self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets, obstacles)
+        return self.step_state(state)
 
     @abstractmethod
     def step_state(self, state: State) -> StepAnswer:

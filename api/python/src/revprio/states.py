@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from revprio.bodies import ArrayLike, JointVector
 from revprio.errors import InvalidError
-from revprio.models import Problem, State, StreamedTarget, Wrench
+from revprio.models import ObstacleState, Problem, State, StreamedTarget, Wrench
 
 
 class StateNumbering:
@@ -26,6 +26,7 @@ class StateNumbering:
         wrench: Wrench | ArrayLike | None,
         time_s: float | None,
         targets: Mapping[str, StreamedTarget] | None = None,
+        obstacles: Sequence[ObstacleState] | None = None,
     ) -> State:
         """Returns the next state, without arguments that are `None`. Default of `time_s`: sequence number times T."""
         sequence = self._next
@@ -33,6 +34,7 @@ class StateNumbering:
             "joint_velocity": joint_velocity,
             "wrench": wrench if wrench is None else as_wrench(wrench),
             "targets": dict(targets) if targets else None,
+            "obstacles": list(obstacles) if obstacles else None,
         }
         state = State(
             sequence=sequence,
