@@ -101,7 +101,7 @@ impl ClearanceCheck {
         let (mut travel, mut due) = (0.0, self.due());
         while node < end && due < f64::INFINITY {
             let next = if node < path.last_period() { (node + stride).min(path.last_period()) } else { node + 1 };
-            path.write_ways((node, next), &mut self.ways, &mut self.strays);
+            path.write_ways((node, next), &mut self.ways);
             let way: f64 = self.levers.iter().zip(&self.ways).map(|(lever, way)| lever * way).sum();
             let after = travel + way + speed * (path.time(next) - path.time(node));
             if due <= after {
@@ -120,7 +120,7 @@ impl ClearanceCheck {
     fn watch(&mut self, scene: Scene, path: &StopPath, distances: &[f64]) {
         self.watched.clear();
         let end = path.nodes() - 1;
-        path.write_ways((0, end), &mut self.ways, &mut self.strays);
+        path.write_ways((0, end), &mut self.ways);
         let duration = path.time(end);
         for (index, (pair, &distance)) in scene.pairs.iter().zip(distances).enumerate() {
             let way = pair.levers.way(&self.ways) + duration * pair.obstacle_speed(scene.world);
@@ -149,6 +149,7 @@ impl ClearanceCheck {
             place(from, before);
         }
         place(to, after);
+        path.write_strays((from, to), strays);
         let (start, end) = (path.time(from), path.time(to));
         for Watched { pair, due, least, sampled } in watched.iter_mut().filter(|watched| watched.due <= travel.1) {
             let pair = &scene.pairs[*pair];

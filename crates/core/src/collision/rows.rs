@@ -72,7 +72,6 @@ pub struct Nominal<'a> {
 pub struct Rows {
     places: Vec<Place>,
     ways: Vec<f64>,
-    strays: Vec<f64>,
     /// Lengths of the pulses, n, s.
     pulses: Vec<f64>,
     /// Largest |u_j − u_bj| in the box, n.
@@ -106,7 +105,6 @@ impl Rows {
         Self {
             places: (0..PLACES).map(|_| place()).collect(),
             ways: memory.clone(),
-            strays: memory.clone(),
             pulses: memory.clone(),
             widths: memory.clone(),
             gradient: memory,
@@ -166,7 +164,7 @@ impl Rows {
     )]
     fn place(&mut self, scene: Scene, nominal: Nominal) -> usize {
         let (path, last) = (nominal.path, nominal.path.nodes() - 1);
-        path.write_ways((0, last), &mut self.ways, &mut self.strays);
+        path.write_ways((0, last), &mut self.ways);
         let way: f64 = self.ways.iter().sum();
         let count = (1 + (way / WAY_OF_A_PLACE) as usize).min(PLACES);
         let dead_time = nominal.drive.delay_periods as f64 * nominal.period;
@@ -176,7 +174,7 @@ impl Rows {
                 return k;
             }
             place.body.update(scene.model, &place.configuration);
-            path.write_ways((0, node), &mut place.ways, &mut self.strays);
+            path.write_ways((0, node), &mut place.ways);
             place.time = path.time(node);
             let since = if node == last { f64::INFINITY } else { place.time - dead_time };
             for (moved, pulse) in place.moved.iter_mut().zip(&self.pulses) {

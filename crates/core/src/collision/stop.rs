@@ -70,6 +70,8 @@ pub struct StopPath {
     position: Vec<f64>,
     /// Velocities at each node up to the last period, n each.
     velocity: Vec<f64>,
+    /// How far each joint has moved until each node at most, n each, rad or m.
+    travelled: Vec<f64>,
     /// Commands in the order in which they are sent, n each.
     commands: Vec<f64>,
     /// Number of periods.
@@ -85,8 +87,8 @@ impl StopPath {
     pub fn new(n: usize, periods: usize, period: f64) -> Self {
         let nodes = n * (periods + SETTLING.len() + 1);
         let memory = || Vec::with_capacity(nodes);
-        let (position, velocity, commands) = (memory(), memory(), memory());
-        Self { n, period, position, velocity, commands, periods: 0, sent: 0, lag: 0.0 }
+        let (position, velocity, travelled, commands) = (memory(), memory(), memory(), memory());
+        Self { n, period, position, velocity, travelled, commands, periods: 0, sent: 0, lag: 0.0 }
     }
 
     /// Follows the commands of a stop until the joints are at rest. What exceeds the allocated number of periods is left out.
@@ -100,6 +102,8 @@ impl StopPath {
         let lag_way = drive.lag_s * (1.0 - remaining);
         self.position.clear();
         self.velocity.clear();
+        self.travelled.clear();
+        self.travelled.resize(n, 0.0);
         self.position.extend_from_slice(position);
         self.velocity.extend_from_slice(drive_state.velocity.as_slice());
         for k in 0..self.periods {
@@ -109,9 +113,12 @@ impl StopPath {
                     Some(pending) => pending[joint],
                     None => self.commands[(k - drive_state.pending.len()) * n + joint],
                 };
-                let difference = self.velocity[at + joint] - acting;
+                let before = self.velocity[at + joint];
+                let difference = before - acting;
+                let after = acting + difference * remaining;
                 self.position.push(self.position[at + joint] + period * acting + difference * lag_way);
-                self.velocity.push(acting + difference * remaining);
+                self.velocity.push(after);
+                self.travelled.push(self.travelled[at + joint] + period * before.abs().max(after.abs()));
             }
         }
         let end = self.periods * n;
@@ -119,6 +126,7 @@ impl StopPath {
             for joint in 0..n {
                 let way = drive.lag_s * self.velocity[end + joint];
                 self.position.push(self.position[end + joint] + share * way);
+                self.travelled.push(self.travelled[end + joint] + share * way.abs());
             }
         }
     }
@@ -197,27 +205,33 @@ impl StopPath {
         node.min(self.periods) as f64 * self.period + settling
     }
 
-    /// Overwrites, for each joint, how far it moves between two nodes at most (n), and how far it leaves the straight way between
-    /// them (n), rad or m.
+    /// Overwrites, for each joint, how far it moves between two nodes at most, n, rad or m.
     ///
-    /// Between two nodes at most `period` apart, the velocity of a joint lies between those at both, because a lag follows a constant command
-    /// monotonously. A joint whose velocities have the range r leaves its chord of duration Δt by at most r Δt/4.
-    pub fn write_ways(&self, (from, to): (usize, usize), ways: &mut [f64], strays: &mut [f64]) {
+    /// In a period, the velocity of a joint lies between those at both ends, because a lag follows a constant command monotonously.
+    pub fn write_ways(&self, (from, to): (usize, usize), ways: &mut [f64]) {
+        let [before, after] = [from, to].map(|node| &self.travelled[node * self.n..][..self.n]);
+        for ((way, before), after) in ways.iter_mut().zip(before).zip(after) {
+            *way = after - before;
+        }
+    }
+
+    /// Overwrites, for each joint, how far it leaves the straight way between two nodes at most, n, rad or m.
+    ///
+    /// A joint whose velocities have the range r leaves its chord of duration Δt by at most r Δt/4. While a lag settles, all joints move
+    /// straight to rest together.
+    pub fn write_strays(&self, (from, to): (usize, usize), strays: &mut [f64]) {
         let n = self.n;
-        let steps = from..to.min(self.periods);
-        let duration = steps.len() as f64 * self.period;
-        for joint in 0..n {
-            let (mut least, mut most, mut way) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-            for node in steps.clone() {
-                let [a, b] = [node, node + 1].map(|node| self.velocity[node * n + joint]);
-                (least, most) = (least.min(a.min(b)), most.max(a.max(b)));
-                way += self.period * a.abs().max(b.abs());
-            }
-            if to > self.periods {
-                let last = from.max(self.periods);
-                way += (self.position[to * n + joint] - self.position[last * n + joint]).abs();
-            }
-            (ways[joint], strays[joint]) = (way, 0.25 * duration * (most - least).max(0.0));
+        let last = to.min(self.periods);
+        if from >= last {
+            strays.fill(0.0);
+            return;
+        }
+        let quarter = 0.25 * (last - from) as f64 * self.period;
+        for (joint, stray) in strays.iter_mut().enumerate() {
+            let velocities = (from..=last).map(|node| self.velocity[node * n + joint]);
+            let (least, most) =
+                velocities.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+            *stray = quarter * (most - least);
         }
     }
 }
