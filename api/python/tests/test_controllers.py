@@ -15,6 +15,7 @@ from revprio import (
     ControllerConfig,
     InvalidError,
     NotFoundError,
+    ObstacleState,
     Session,
     State,
     Stateless,
@@ -77,6 +78,30 @@ def test_targets_are_followed_by_sessions_stateless_controllers_and_streams(
     assert states[1] == states[109] == "extrapolating"
     assert states[112] == "holding"
     assert by_session[119][1] == pytest.approx(0.059)
+
+
+def test_obstacles_are_sent_by_all_controllers(client: Client) -> None:
+    room = ControllerConfig.model_validate(example("controller_room"))
+    home = np.array([0.0, -0.6, 0.0, -2.2, 0.0, 1.6, 0.8])
+    ball = ObstacleState(name="ball", position=[0.36, 0.0, 0.5])
+
+    def nearest(controller: Controller) -> tuple[str, float]:
+        collisions = controller.step(home, obstacles=[ball]).collisions
+        assert collisions is not None
+        return collisions.pairs[0].b, collisions.pairs[0].distance_m
+
+    with Session(client, room) as session:
+        by_session = nearest(session)
+    with Stateless(client, room) as stateless:
+        assert nearest(stateless) == by_session
+    with Session(client, room) as session, session.stream() as stream:
+        assert nearest(stream) == by_session
+    here = Controller(**room.model_dump(exclude_unset=True))
+    assert nearest(here) == by_session
+    assert by_session[0] == "ball"
+    with pytest.raises(InvalidError) as refused:
+        here.step(home)
+    assert refused.value.pointer == "/obstacles"
 
 
 def test_a_target_that_does_not_fit_is_refused(client: Client, config: ControllerConfig) -> None:
