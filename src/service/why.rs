@@ -1,5 +1,7 @@
 //! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
 
+use std::sync::Arc;
+
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
 use revprio_core::limits::BoundCause;
@@ -67,6 +69,8 @@ pub struct Explained<'a> {
     pub joints: Vec<&'a str>,
     /// Names of the inequalities.
     pub inequalities: ConstraintNames<'a>,
+    /// A link and what it would come too near to.
+    pub held_by: Option<&'a [Arc<str>; 2]>,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
     /// Joint position, n, if position limits apply.
@@ -100,6 +104,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         resolution: &command.resolution,
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
         inequalities: ConstraintNames::of_command(config, command),
+        held_by: command.collisions.as_ref().and_then(|report| report.held_by.as_ref()),
         robot: Some(&config.robot),
         position: includes_position.then_some(measurement.joint_position.as_slice()),
         causes: command.limit_causes.clone(),
@@ -131,6 +136,9 @@ impl Explained<'_> {
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
         let violated = resolution.broken_constraints().map(|(index, broken)| self.inequality(index, broken.bound.id));
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
+        sentences.extend(
+            self.held_by.map(|[link, other]| format!("`{link}` would come too near to `{other}` before the arm stops")),
+        );
         sentences.extend(self.conflicts.iter().map(|&index| {
             let joint = self.joints[index];
             format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))

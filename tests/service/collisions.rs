@@ -102,6 +102,9 @@ fn what_is_wrong_with_a_room_is_named() {
     let refused = service.post("/v1/controllers", &bare.to_string());
     refused.assert_refused(422, Some("/collisions"));
     assert!(refused.text.contains("has no shapes"), "{}", refused.text);
+    let link = json!({"obstacles": [{"name": "panda_link5", "sphere": {"radius": 0.1}}]});
+    let refused = service.post("/v1/controllers", &controller(link).to_string());
+    refused.assert_refused(422, Some("/collisions/obstacles/0/name"));
     let mut closed_form = controller(json!({}));
     closed_form["solver"] = json!("closed_form");
     service.post("/v1/controllers", &closed_form.to_string()).assert_refused(422, Some("/collisions"));
@@ -129,6 +132,14 @@ fn a_state_must_name_each_moving_obstacle() {
     service.post(&path, &with(json!([far]))).assert_refused(422, Some("/obstacles/0"));
     let answer = service.post(&path, &with(json!([ball]))).accepted();
     assert!(answer["collisions"]["pairs"].to_string().contains("ball"));
+}
+
+#[test]
+fn a_controller_that_watches_no_pair_gives_no_distance() {
+    let service = Service::start();
+    let id = service.open(&controller(json!({"own_links": false})));
+    let answer = service.call(&format!("{id}/step"), &state(1, &HOME));
+    assert!(answer["collisions"].get("least_distance_m").is_none(), "{answer}");
 }
 
 #[test]

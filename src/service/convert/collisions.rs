@@ -16,19 +16,25 @@ use super::pose::pose;
 use crate::service::error::ApiError;
 use crate::service::robots::MAX_NAME;
 
+/// Smallest and largest rate at which distances shrink, 1/s.
+pub const RATE_PER_S: (f64, f64) = (0.01, 1e4);
+
 /// Reads what a controller keeps clear of.
-pub fn avoidance(collisions: &wire::Collisions) -> Result<CollisionAvoidance> {
+pub fn avoidance(collisions: &wire::Collisions, robot: &RobotModel) -> Result<CollisionAvoidance> {
     let wire::Collisions { min_distance_m, rate_per_s, own_links, obstacles } = collisions;
     check(obstacles.len() <= MAX_OBSTACLES, "/obstacles", format_args!("give at most {MAX_OBSTACLES} obstacles"))?;
     let min_distance_m = number(*min_distance_m, "/min_distance_m")?;
     check((0.0..=1.0).contains(&min_distance_m), "/min_distance_m", "give 0 to 1 m")?;
     let rate_per_s = number(*rate_per_s, "/rate_per_s")?;
-    check(rate_per_s > 0.0, "/rate_per_s", "give a positive rate")?;
+    let (least, most) = RATE_PER_S;
+    check((least..=most).contains(&rate_per_s), "/rate_per_s", format_args!("give {least} to {most} 1/s"))?;
     let obstacles: Vec<Obstacle> = each("/obstacles", obstacles, |_, found| obstacle(found))?;
     for (i, later) in obstacles.iter().enumerate() {
         let is_new = !obstacles[..i].iter().any(|earlier| earlier.name == later.name);
         let detail = format_args!("two obstacles are named `{}`; give each its own name", later.name);
         check(is_new, &format!("/obstacles/{i}/name"), detail)?;
+        let detail = format_args!("`{}` is the name of a link; give another", later.name);
+        check(robot.link(&later.name).is_none(), &format!("/obstacles/{i}/name"), detail)?;
     }
     Ok(CollisionAvoidance { min_distance_m, rate_per_s, own: *own_links, obstacles })
 }
@@ -172,7 +178,7 @@ pub fn report_answer(report: &CollisionReport) -> wire::CollisionReport {
     };
     let [made, left] = report.rows;
     wire::CollisionReport {
-        least_distance_m: report.least_distance_m,
+        least_distance_m: Some(report.least_distance_m).filter(|distance| distance.is_finite()),
         pairs: report.pairs.iter().map(pair).collect(),
         rows: wire::CollisionRows { made, left },
         share: report.share,

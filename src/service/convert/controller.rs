@@ -78,10 +78,11 @@ fn constraints(request: &wire::Controller, robot: &RobotModel) -> Result<Vec<Con
     let reader = InequalityReader { robot: Some(robot), joints: robot.joint_count(), period_s: Some(request.period_s) };
     let mut constraints = reader.read(&request.inequalities)?;
     if let Some(stated) = &request.collisions {
-        let distances = Constraint::Distances(collisions::avoidance(stated).inside("/collisions")?);
-        if let Some(index) = constraints.iter().position(|constraint| constraint.name() == distances.name()) {
+        let distances = Constraint::Distances(collisions::avoidance(stated, robot).inside("/collisions")?);
+        let is_taken = |constraint: &Constraint| constraint.name().starts_with(distances.name());
+        if let Some(index) = constraints.iter().position(is_taken) {
             let detail =
-                format!("`{}` is the name of the rows that `collisions` makes; give another", distances.name());
+                format!("names with `{}` are those of the rows of `collisions`; give another", distances.name());
             return Err(ApiError::invalid(format!("/inequalities/{index}/name"), detail));
         }
         constraints.push(distances);

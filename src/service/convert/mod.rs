@@ -32,6 +32,7 @@ mod terms;
 mod virtual_arm_memory;
 
 pub use arm::{arm_view, finite, single};
+pub use collisions::RATE_PER_S;
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, check_control, check_interactive};
 pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, MAX_VALID_FOR_MS, controller, state_rules};
 pub use environment::MAX_ENVIRONMENT_DELAY;

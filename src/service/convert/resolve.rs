@@ -282,6 +282,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         units: units.clone(),
     });
     let explained = Explained {
+        held_by: None,
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         inequalities: problem.constraint_names().into(),

@@ -15,7 +15,7 @@ use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE,
     MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS,
-    MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
+    MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED, RATE_PER_S,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -156,7 +156,7 @@ fn request_ranges() -> Vec<FieldRange> {
             outages: Items(0, 100),
         }
         Outage { start_s: Positive, duration_s: NotNegative }
-        wire::Collisions { min_distance_m: Between(0.0, 1.0), rate_per_s: Positive, obstacles: Items(0, MAX_OBSTACLES) }
+        wire::Collisions { min_distance_m: Between(0.0, 1.0), rate_per_s: Between(RATE_PER_S.0, RATE_PER_S.1), obstacles: Items(0, MAX_OBSTACLES) }
         wire::Sphere { center: Items(3, 3), radius: Positive }
         wire::Capsule { start: Items(3, 3), end: Items(3, 3), radius: Positive }
         wire::Cuboid { size: Items(3, 3) }

@@ -160,8 +160,9 @@ pub struct ObstacleState {
 /// Distances of the shapes and how they restrict the joint velocities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CollisionReport {
-    /// Distance of the nearest pair, m.
-    pub least_distance_m: f64,
+    /// Distance of the nearest pair, m; absent: no pair is watched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_distance_m: Option<f64>,
     /// The nearest pairs, at most eight, the nearest first.
     pub pairs: Vec<PairDistance>,
     /// How many rows could matter to the solver, and how many it got.
@@ -169,7 +170,7 @@ pub struct CollisionReport {
     /// Share of the allowed joint velocities, around full braking, among which the answer was found: 1 usually; less if the stop after
     /// the first answer would have come too near; 0: the joint velocities are those of full braking.
     pub share: f64,
-    /// Time that the arm needs to stop, s.
+    /// Time that the arm needs to stop behind its drive, s; 0: it stands.
     pub stop_in_s: f64,
     /// Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an obstacle comes, or the bound
     /// between two samples is too rough.

@@ -40,7 +40,7 @@ pub struct CollisionAvoidance {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CollisionAvoidanceError {
     /// The robot has no shapes.
-    #[error("the robot `{0}` has no shapes; give it `shapes` when you register it")]
+    #[error("the robot `{0}` has no shapes; give it `shape_list` when you register it")]
     NoShapes(String),
     /// d_min or γ is not allowed.
     #[error("the minimum distance must be from 0 to 1 m, and the rate positive")]
@@ -88,7 +88,8 @@ impl Default for CollisionAvoidance {
 impl CollisionAvoidance {
     /// Returns the number of pairs that a robot with these shapes watches, at most.
     fn pairs(&self, model: &CollisionModel) -> usize {
-        (if self.own { model.pairs().len() } else { 0 }) + model.capsules().len() * self.obstacles.len()
+        let moving = (0..model.capsules().len()).filter(|capsule| model.joint(*capsule).is_some()).count();
+        (if self.own { model.pairs().len() } else { 0 }) + moving * self.obstacles.len()
     }
 
     /// Returns how much work a period is: the number of pairs times that of the samples of a stop from full speed. `period`: T, s.

@@ -83,7 +83,7 @@ pub(crate) struct CollisionGuard {
     surroundings: Surroundings,
     drive: Drive,
     period: f64,
-    keeps_acceleration: bool,
+    keeps_jerk: bool,
     now: PlacedBody,
     /// Distances at the measured posture.
     distances: Vec<f64>,
@@ -107,7 +107,7 @@ impl CollisionGuard {
         avoidance: &CollisionAvoidance,
         robot: &Arc<RobotModel>,
         (drive, period): (Drive, f64),
-        keeps_acceleration: bool,
+        keeps_jerk: bool,
     ) -> Result<Option<Self>, ConfigurationError> {
         let Some(model) = robot.collision() else { return Ok(None) };
         let n = robot.joint_count();
@@ -118,7 +118,7 @@ impl CollisionGuard {
         Ok(Some(Self {
             drive,
             period,
-            keeps_acceleration,
+            keeps_jerk,
             now,
             distances: vec![0.0; pairs.len()],
             path: StopPath::new(n, longest_path(robot, period), period),
@@ -162,6 +162,7 @@ impl CollisionGuard {
         self.set_braking(moment.arm, limits);
         self.write_rows(moment, limits, rows);
         self.report.share = 1.0;
+        self.report.held_by = None;
         self.knows_braking = false;
     }
 
@@ -175,8 +176,7 @@ impl CollisionGuard {
             robot: scene.robot,
             command: &self.braking,
             held: periods,
-            acceleration: Some(&self.acceleration),
-            keeps_acceleration: self.keeps_acceleration,
+            acceleration: self.keeps_jerk.then_some(self.acceleration.as_slice()),
         };
         self.path.follow(start(moment, self.drive, self.period), braking);
         let nominal = Nominal {
@@ -187,7 +187,7 @@ impl CollisionGuard {
             drive: self.drive,
             period: self.period,
             rate: self.surroundings.avoidance.rate_per_s,
-            keeps_acceleration: self.keeps_acceleration,
+            keeps_jerk: self.keeps_jerk,
         };
         let found = self.rows.write(scene, nominal, &self.distances, rows);
         self.report.rows = [found, found.min(rows.len())];
@@ -199,12 +199,8 @@ impl CollisionGuard {
     fn set_braking(&mut self, arm: &ArmState, limits: &VelocityBox) {
         for (joint, description) in self.surroundings.robot.joints().iter().enumerate() {
             let last = arm.last_command[joint];
-            let acceleration = arm.last_acceleration.get(joint).copied().unwrap_or(0.0);
-            let braking = if self.keeps_acceleration {
-                full_braking(&description.limits, (last, acceleration), self.period)
-            } else {
-                0.0
-            };
+            let acceleration = arm.last_acceleration.get(joint).copied().filter(|_| self.keeps_jerk);
+            let braking = full_braking(&description.limits, (last, acceleration), self.period);
             self.braking[joint] = braking.clamp(limits.lower()[joint], limits.upper()[joint]);
         }
     }
@@ -217,7 +213,7 @@ impl CollisionGuard {
     /// Returns whether a command (n) may be sent: its stop is free, or no nearer than necessary.
     pub fn allows(&mut self, moment: Moment, command: &[f64]) -> bool {
         self.check_stop(moment, command);
-        self.report.stop_s = self.path.sent as f64 * self.period;
+        self.report.stop_s = self.path.duration();
         if self.deficits.iter().all(|deficit| deficit.bound >= 0.0) {
             self.report.is_violated = false;
             return true;
@@ -234,13 +230,18 @@ impl CollisionGuard {
         let min_distance = self.surroundings.avoidance.min_distance_m;
         let scene = self.surroundings.scene();
         let found = self.deficits.iter().zip(&self.of_braking).zip(self.distances.iter().zip(scene.pairs));
-        found.into_iter().all(|((deficit, of_braking), (distance, pair))| {
-            let now = (distance - min_distance).min(0.0);
-            let is_unavoidable = of_braking.bound < now - UNAVOIDABLE;
+        let refused = found.into_iter().find(|((deficit, of_braking), (distance, pair))| {
+            let now = (*distance - min_distance).min(0.0);
+            let is_unavoidable = of_braking.sampled < now - UNAVOIDABLE;
             // An obstacle that reaches the arm although it brakes is no reason to brake: the rows lead the arm away from it.
             let is_pursued = pair.obstacle_speed(scene.world) > 0.0;
-            deficit.comes_no_nearer(now) || is_unavoidable && (is_pursued || deficit.bound >= of_braking.bound)
-        })
+            !(deficit.comes_no_nearer(now) || is_unavoidable && (is_pursued || deficit.bound >= of_braking.bound))
+        });
+        let Some((_, (_, pair))) = refused else { return true };
+        if self.report.held_by.is_none() {
+            self.report.held_by = Some(pair.names.clone());
+        }
+        false
     }
 
     /// Says in which share of the box around full braking the command lies.
@@ -253,14 +254,14 @@ impl CollisionGuard {
         for (joint, acceleration) in self.acceleration.iter_mut().enumerate() {
             *acceleration = (command[joint] - moment.arm.last_command[joint]) / self.period;
         }
-        self.follow(moment, (command, 1), self.keeps_acceleration, true);
+        self.follow(moment, (command, 1), self.keeps_jerk);
     }
 
     /// Checks the way of the arm if a command is held for some periods and braking follows, with jerk limits or without.
-    fn follow(&mut self, moment: Moment, (command, held): (&[f64], usize), keeps_acceleration: bool, keeps_jerk: bool) {
+    fn follow(&mut self, moment: Moment, (command, held): (&[f64], usize), keeps_jerk: bool) {
         let scene = self.surroundings.scene();
         let acceleration = keeps_jerk.then_some(self.acceleration.as_slice());
-        let braking = Braking { robot: scene.robot, command, held, acceleration, keeps_acceleration };
+        let braking = Braking { robot: scene.robot, command, held, acceleration };
         self.path.follow(start(moment, self.drive, self.period), braking);
         self.check.check(scene, &self.path, (&self.now, &self.distances), &mut self.deficits);
     }
@@ -272,10 +273,10 @@ impl CollisionGuard {
 
     /// Returns the longest of some times, at most `longest` (s), after which a watchdog can brake so that the stop is free.
     fn hold_time(&mut self, moment: Moment, command: &[f64], longest: f64) -> f64 {
-        if command.iter().all(|speed| *speed == 0.0) && self.report.stop_s == 0.0 {
+        if self.report.stop_s == 0.0 {
             return longest;
         }
-        let mut time = longest.min(LONGEST_HOLD);
+        let mut time = longest.min(spare_time(self.period).max(LONGEST_HOLD));
         loop {
             if self.is_free_after(moment, command, time) {
                 return time;
@@ -291,7 +292,7 @@ impl CollisionGuard {
     fn is_free_after(&mut self, moment: Moment, command: &[f64], time: f64) -> bool {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most LONGEST_HOLD/T")]
         let held = (time / self.period).ceil() as usize;
-        self.follow(moment, (command, held), true, false);
+        self.follow(moment, (command, held), false);
         let min_distance = self.surroundings.avoidance.min_distance_m;
         let found = self.deficits.iter().zip(&self.distances);
         found.into_iter().all(|(deficit, distance)| deficit.comes_no_nearer((distance - min_distance).min(0.0)))

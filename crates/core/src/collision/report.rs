@@ -17,6 +17,8 @@ pub struct CollisionReport {
     /// The share of the box of the velocities, around full braking, in which the command lies: 1 if its stop is free as
     /// it was solved, 0 if the command is full braking.
     pub share: f64,
+    /// The link and what it would come too near to if the box were not shrunk.
+    pub held_by: Option<[Arc<str>; 2]>,
     /// The names of the rows, in order: `collision:` and the names of both shapes.
     pub row_names: Vec<Arc<str>>,
     /// Number of rows that could matter, and how many of them the solver got.
@@ -32,9 +34,10 @@ pub struct CollisionReport {
 impl CollisionReport {
     /// Copies another report, without allocating once both had as many pairs and rows.
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        let Self { least_distance_m, pairs, share, row_names, rows, stop_s, clear_for_s, is_violated } = self;
+        let Self { least_distance_m, pairs, share, held_by, row_names, rows, stop_s, clear_for_s, is_violated } = self;
         pairs.clone_from(&other.pairs);
         row_names.clone_from(&other.row_names);
+        held_by.clone_from(&other.held_by);
         (*least_distance_m, *share, *rows) = (other.least_distance_m, other.share, other.rows);
         (*stop_s, *clear_for_s, *is_violated) = (other.stop_s, other.clear_for_s, other.is_violated);
     }

@@ -63,8 +63,8 @@ pub struct Nominal<'a> {
     pub period: f64,
     /// γ, 1/s.
     pub rate: f64,
-    /// Whether the joints keep their acceleration limits.
-    pub keeps_acceleration: bool,
+    /// Whether the joints keep their jerk limits.
+    pub keeps_jerk: bool,
 }
 
 /// The memory of the rows.
@@ -146,10 +146,10 @@ impl Rows {
         for (joint, description) in scene.robot.joints().iter().enumerate() {
             let (limits, u_b) = (&description.limits, nominal.command[joint]);
             let deceleration = braking_deceleration(limits);
-            let rise = if limits.jerk.is_finite() { deceleration / limits.jerk } else { 0.0 };
-            let stop = if nominal.keeps_acceleration && u_b != 0.0 { u_b.abs() / deceleration } else { 0.0 };
+            let rise = if nominal.keeps_jerk && limits.jerk.is_finite() { deceleration / limits.jerk } else { 0.0 };
+            let stop = u_b.abs() / deceleration;
             longest = longest.max(stop);
-            self.pulses[joint] = nominal.held_s + stop + if nominal.keeps_acceleration { rise } else { 0.0 };
+            self.pulses[joint] = nominal.held_s + stop + rise;
             let [lower, upper] = [nominal.limits.lower()[joint], nominal.limits.upper()[joint]];
             self.widths[joint] = (upper - u_b).max(u_b - lower).max(0.0);
         }

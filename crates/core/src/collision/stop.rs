@@ -54,10 +54,8 @@ pub struct Braking<'a> {
     pub command: &'a [f64],
     /// Number of periods for which it is held.
     pub held: usize,
-    /// Its acceleration, n; `None`: the joints brake at once, as a watchdog does.
+    /// Its acceleration, n; `None`: the joints keep no jerk limits, as a watchdog does not.
     pub acceleration: Option<&'a [f64]>,
-    /// Whether the joints keep their acceleration limits.
-    pub keeps_acceleration: bool,
 }
 
 /// The positions of the joints at the ends of all periods, and at some points while the lag settles.
@@ -133,7 +131,7 @@ impl StopPath {
 
     /// Overwrites the commands with those of a stop, without the zeros at its end.
     fn write_commands(&mut self, period: f64, braking: Braking) {
-        let Braking { robot, command, held, acceleration, keeps_acceleration } = braking;
+        let Braking { robot, command, held, acceleration } = braking;
         let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
         self.commands.clear();
         for _ in 0..held.min(capacity) {
@@ -146,25 +144,14 @@ impl StopPath {
             for (joint, description) in robot.joints().iter().enumerate() {
                 let limits = &description.limits;
                 let last = if self.sent == 0 { command[joint] } else { self.commands[(self.sent - 1) * n + joint] };
-                let next = match acceleration {
-                    _ if !keeps_acceleration => 0.0,
-                    None => {
-                        last - last.clamp(-braking_deceleration(limits) * period, braking_deceleration(limits) * period)
-                    }
-                    Some(first) => {
-                        let before = match self.sent {
-                            0 | 1 => None,
-                            sent => Some(self.commands[(sent - 2) * n + joint]),
-                        };
-                        // While a command is held, its acceleration is zero.
-                        let known = if self.sent == 0 || held == 1 && self.sent == 1 {
-                            first[joint]
-                        } else {
-                            before.map_or(0.0, |before| (last - before) / period)
-                        };
-                        full_braking(limits, (last, known), period)
-                    }
-                };
+                let known = acceleration.map(|first| match self.sent {
+                    0 => first[joint],
+                    1 if held == 1 => first[joint],
+                    // While a command is held, its acceleration is zero.
+                    1 => 0.0,
+                    sent => (last - self.commands[(sent - 2) * n + joint]) / period,
+                });
+                let next = full_braking(limits, (last, known), period);
                 moves |= next != 0.0;
                 self.commands.push(next);
             }
@@ -203,6 +190,13 @@ impl StopPath {
         let settling =
             node.checked_sub(self.periods + 1).map_or(0.0, |k| -self.lag * (1.0 - SETTLING[k]).max(0.01).ln());
         node.min(self.periods) as f64 * self.period + settling
+    }
+
+    /// Returns the time until the joints rest, s; 0 if they do.
+    pub fn duration(&self) -> f64 {
+        let last = self.nodes() - 1;
+        let moves = self.travelled[last * self.n..].iter().any(|way| *way > 0.0);
+        if moves { self.time(last) } else { 0.0 }
     }
 
     /// Overwrites, for each joint, how far it moves between two nodes at most, n, rad or m.

@@ -2,18 +2,18 @@
 
 use revprio_robot::JointLimits;
 
-use super::braking::kept_acceleration;
+use super::braking::braking_deceleration;
 use super::jerk::JerkLimit;
 
-/// Returns the command of full braking after the last command and its acceleration; `period`: T, s. It is zero if the joint
-/// may jump.
+/// Returns the command of full braking after the last command and its acceleration; `None`: the jerk is not kept. `period`: T, s.
 ///
-/// It lies in the box of the limits of position, velocity, acceleration and jerk, see the module `limits`.
-pub fn full_braking(limits: &JointLimits, (last, acceleration): (f64, f64), period: f64) -> f64 {
-    if let Some(jerk) = JerkLimit::of(limits, period) {
+/// It lies in the box of the limits of position, velocity, acceleration and jerk, see the module `limits`. A joint that may jump brakes at its
+/// [`braking_deceleration`] too: a transition from another controller allows no more.
+pub fn full_braking(limits: &JointLimits, (last, acceleration): (f64, Option<f64>), period: f64) -> f64 {
+    if let Some((acceleration, jerk)) = acceleration.zip(JerkLimit::of(limits, period)) {
         return jerk.braking(last, acceleration);
     }
-    let change = kept_acceleration(limits) * period;
+    let change = braking_deceleration(limits) * period;
     last - last.clamp(-change, change)
 }
 
@@ -34,7 +34,7 @@ mod tests {
             let limits = JointLimits { lower: -3.0, upper: 3.0, velocity: 2.0, acceleration: 8.0, jerk };
             let (mut last, mut acceleration, mut periods) = (speed, 0.0, 0);
             while last != 0.0 || acceleration != 0.0 {
-                let next = full_braking(&limits, (last, acceleration), period);
+                let next = full_braking(&limits, (last, Some(acceleration)), period);
                 let change = (next - last) / period;
                 prop_assert!(change.abs() <= 8.0 + 1e-9, "{change}");
                 prop_assert!((change - acceleration).abs() <= jerk * period * (1.0 + 1e-9) + 1e-9);

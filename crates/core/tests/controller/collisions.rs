@@ -15,7 +15,7 @@ use revprio_robot::collision::{LinkCapsule, OrientedBox, PlacedBody, Segment, St
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
-use super::arms::{Random, joint_rows, position, tool_rows};
+use super::arms::{Random, gantry, joint_rows, position, tool_rows};
 use super::drives::LaggingArm;
 use super::two_arms::two_pandas;
 
@@ -449,6 +449,51 @@ fn an_arm_whose_service_dies_keeps_clear() {
         arm.follow(&velocity, setup.period);
     }
     assert!(deaths > 100, "{deaths}");
+}
+
+/// Limits that let joints jump, and a state that comes so late that the watchdog has braked: the transition then allows accelerations
+/// alone, and the stop counts with them.
+#[test]
+fn a_late_state_with_limits_that_let_joints_jump_keeps_clear() {
+    let limits = JointLimits { lower: -2.0, upper: 2.0, velocity: 1.0, acceleration: 2.0, jerk: f64::INFINITY };
+    let bare = gantry(limits).as_ref().clone();
+    let ball = LinkCapsule { link: bare.tips()[0].link, core: Segment::point(Vector3::zeros()), radius: 0.05 };
+    let robot = Arc::new(bare.with_capsules(vec![ball], &[]).unwrap());
+    for gap in [0.07, 0.2] {
+        let middle = IsometryMatrix3::translation(0.05 + gap + 0.1, 0.0, 0.0);
+        let wall = ObstacleShape::Box(OrientedBox { pose: middle, half: Vector3::new(0.1, 1.0, 1.0) });
+        let obstacles = vec![Obstacle::new("wall", wall, false).unwrap()];
+        let avoidance =
+            CollisionAvoidance { min_distance_m: 0.02, rate_per_s: 100.0, obstacles, ..CollisionAvoidance::default() };
+        let axes = [Axis::X, Axis::Y, Axis::Z];
+        let tool = TaskConfig {
+            name: "tool".to_owned(),
+            rows: TaskRows::Tool(tool_rows(&axes)),
+            law: position(3, 20.0),
+            scaled: false,
+            streaming: Streaming::default(),
+        };
+        let config = ControllerConfig {
+            limits: Limits::Robot(LimitKind::PositionVelocity),
+            drive: Drive::IDEAL,
+            constraints: vec![Constraint::Distances(avoidance)],
+            ..ControllerConfig::new(Arc::clone(&robot), 0.004, vec![tool])
+        };
+        let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let (mut arm, mut memory, mut least) = (LaggingArm::at_rest(&[0.0; 3], IDEAL, 0.0, 1), None, f64::INFINITY);
+        for i in 0..400 {
+            let time_s = 0.004 * f64::from(if i < 3 { i } else { i + 60 });
+            let mut measured = arm.measure(time_s);
+            if i >= 3 {
+                let value = StreamedValue::Pose { position: Some(Vector3::new(1.5, 0.0, 0.0)), orientation: None };
+                measured.targets = vec![StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() }];
+            }
+            let command = stepper.step(&mut memory, &measured).unwrap();
+            arm.follow(command.resolution.joint_velocity.as_slice(), 0.004);
+            least = least.min(gap - arm.q[0]);
+        }
+        assert!((0.02 - 1e-6..0.03).contains(&least), "{gap} m: {least} m");
+    }
 }
 
 #[test]

@@ -16,6 +16,9 @@ use nalgebra::Vector3;
 use crate::RobotModel;
 use crate::shape::CollisionModel;
 
+/// How far a sliding joint may be measured beyond its limits, m.
+const BEYOND_LIMIT: f64 = 0.05;
+
 /// Bounds of how far the joints move one shape relative to another one, for one pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levers {
@@ -81,7 +84,7 @@ fn add_path(
         if joint.kind.is_translation() {
             levers.lever[coordinate] += scale;
             let limits = &robot.joints()[coordinate].limits;
-            let farthest = limits.lower.abs().max(limits.upper.abs());
+            let farthest = limits.lower.abs().max(limits.upper.abs()) + BEYOND_LIMIT;
             distance += if scale == 0.0 { 0.0 } else { scale * farthest } + joint.offset.abs();
             slides = true;
         } else {

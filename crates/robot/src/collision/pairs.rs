@@ -8,7 +8,7 @@ use crate::{LinkId, RobotModel};
 /// Number of postures in which a pair must touch to be left out.
 const SAMPLES: usize = 2000;
 
-/// Range of a joint without limits in the sample, rad or m.
+/// Half of the range of a joint without limits in the sample, rad or m.
 const UNLIMITED: f64 = std::f64::consts::PI;
 
 /// Returns capsules without pairs with those pairs that are watched, and those that are left out.
@@ -63,8 +63,7 @@ fn farthest(robot: &RobotModel, model: &CollisionModel, pairs: &[[usize; 2]]) ->
     let mut position = vec![0.0; robot.joint_count()];
     for sample in 0..SAMPLES {
         for (coordinate, joint) in robot.joints().iter().enumerate() {
-            let [lower, upper] =
-                [joint.limits.lower, joint.limits.upper].map(|limit| limit.clamp(-UNLIMITED, UNLIMITED));
+            let (lower, upper) = sampled_range(joint.limits.lower, joint.limits.upper);
             position[coordinate] = lower + (upper - lower) * spread(sample, coordinate);
         }
         if configuration.update(robot, &position).is_err() {
@@ -79,10 +78,36 @@ fn farthest(robot: &RobotModel, model: &CollisionModel, pairs: &[[usize; 2]]) ->
     farthest
 }
 
+/// Returns the range of a joint in the sample, rad or m.
+fn sampled_range(lower: f64, upper: f64) -> (f64, f64) {
+    match (lower.is_finite(), upper.is_finite()) {
+        (true, true) => (lower, upper),
+        (true, false) => (lower, lower + 2.0 * UNLIMITED),
+        (false, true) => (upper - 2.0 * UNLIMITED, upper),
+        (false, false) => (-UNLIMITED, UNLIMITED),
+    }
+}
+
 /// Returns a number of 0 … 1: entry `coordinate` of point `sample` of an additive recurrence, which fills the cube evenly.
 fn spread(sample: usize, coordinate: usize) -> f64 {
     // Square roots of numbers without square factors are independent over the rationals; those of primes are among them.
     const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
     let turn = PRIMES[coordinate % PRIMES.len()].sqrt() * (1.0 + (coordinate / PRIMES.len()) as f64 * 0.618);
     (0.5 + (sample as f64 + 1.0) * turn).fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sample_covers_the_range_of_each_joint() {
+        let (inf, turn) = (f64::INFINITY, 2.0 * UNLIMITED);
+        assert_eq!(sampled_range(4.0, 6.0), (4.0, 6.0));
+        assert_eq!(sampled_range(4.0, inf), (4.0, 4.0 + turn));
+        assert_eq!(sampled_range(-inf, 6.0), (6.0 - turn, 6.0));
+        assert_eq!(sampled_range(-inf, inf), (-UNLIMITED, UNLIMITED));
+        let numbers: Vec<f64> = (0..1000).map(|sample| spread(sample, 3)).collect();
+        assert!(numbers.iter().any(|x| *x < 0.01) && numbers.iter().any(|x| *x > 0.99));
+    }
 }

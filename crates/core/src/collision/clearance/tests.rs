@@ -86,7 +86,7 @@ proptest! {
         let start = Start { position: &position, drive_state: &drive_state, drive: Drive { lag_s: lag, delay_periods: delay }, period };
         let command = speed(3);
         let mut path = StopPath::new(7, 2 * longest_stop(robot, period), period);
-        path.follow(start, Braking { robot, command: &command, held: 1, acceleration: None, keeps_acceleration: true });
+        path.follow(start, Braking { robot, command: &command, held: 1, acceleration: None });
 
         let configuration = Configuration::new(robot, &position).unwrap();
         let now = PlacedBody::new(model, &configuration);

@@ -114,8 +114,7 @@ impl ControllerConfig {
     /// Allocates the check of distances; `None`: the controller watches none.
     pub(in crate::controller) fn allocate_guard(&self) -> Result<Option<CollisionGuard>, ConfigurationError> {
         let Some((avoidance, _)) = constraint::distances(&self.constraints) else { return Ok(None) };
-        let keeps_acceleration = self.kept_limits().is_some_and(LimitKind::includes_acceleration);
-        CollisionGuard::new(avoidance, &self.robot, (self.drive, self.period_s), keeps_acceleration)
+        CollisionGuard::new(avoidance, &self.robot, (self.drive, self.period_s), self.keeps_jerk())
     }
 
     /// Returns what the limits of the controller permit the joints to give.
