@@ -1205,19 +1205,17 @@ class CollisionReport(Answer):
 
     Fields:
 
-    - least_distance_m: Distance of the nearest pair, m.
     - pairs: The nearest pairs, at most eight, the nearest first.
     - rows: How many rows could matter to the solver, and how many it got.
     - share: Share of the allowed joint velocities, around full braking, among which the answer was found: 1
       usually; less if the stop after the first answer would have come too near; 0: the joint velocities are those
       of full braking.
-    - stop_in_s: Time that the arm needs to stop, s.
+    - stop_in_s: Time that the arm needs to stop behind its drive, s; 0: it stands.
     - violated: Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an
       obstacle comes, or the bound between two samples is too rough.
+    - least_distance_m: Distance of the nearest pair, m; absent: no pair is watched.
     """
 
-    least_distance_m: float
-    """Distance of the nearest pair, m."""
     pairs: list[PairDistance]
     """The nearest pairs, at most eight, the nearest first."""
     rows: CollisionRows
@@ -1226,10 +1224,12 @@ class CollisionReport(Answer):
     """Share of the allowed joint velocities, around full braking, among which the answer was found: 1 usually; less if
     the stop after the first answer would have come too near; 0: the joint velocities are those of full braking."""
     stop_in_s: float
-    """Time that the arm needs to stop, s."""
+    """Time that the arm needs to stop behind its drive, s; 0: it stands."""
     violated: bool
     """Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an obstacle comes,
     or the bound between two samples is too rough."""
+    least_distance_m: float | None = None
+    """Distance of the nearest pair, m; absent: no pair is watched."""
 
 
 class Cuboid(Body):
