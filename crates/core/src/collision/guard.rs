@@ -232,10 +232,10 @@ impl CollisionGuard {
         let found = self.deficits.iter().zip(&self.of_braking).zip(self.distances.iter().zip(scene.pairs));
         let refused = found.into_iter().find(|((deficit, of_braking), (distance, pair))| {
             let now = (*distance - min_distance).min(0.0);
-            let is_unavoidable = of_braking.sampled < now - UNAVOIDABLE;
             // An obstacle that reaches the arm although it brakes is no reason to brake: the rows lead the arm away from it.
-            let is_pursued = pair.obstacle_speed(scene.world) > 0.0;
-            !(deficit.comes_no_nearer(now) || is_unavoidable && (is_pursued || deficit.bound >= of_braking.bound))
+            let is_pursued = pair.obstacle_speed(scene.world) > 0.0 && of_braking.bound < now - UNAVOIDABLE;
+            let is_no_worse = of_braking.sampled < now - UNAVOIDABLE && deficit.bound >= of_braking.bound;
+            !(deficit.comes_no_nearer(now) || is_pursued || is_no_worse)
         });
         let Some((_, (_, pair))) = refused else { return true };
         if self.report.held_by.is_none() {

@@ -12,7 +12,8 @@
 //! Let the world stand still, let the drive be as stated, and let the stop after the last command be free. Full braking now is the rest of
 //! that stop, so its own stop is free. Hence there is always a command whose stop is free, and one of them is sent. By
 //! induction every posture lies on a free stop. That holds for any number of pairs, and for any answer of the solver: the stop is checked
-//! and not assumed. How the check bounds the distance between its samples is in [`clearance`](self).
+//! and not assumed. `docs/collisions.md` in the repository has the
+//! bound of the distance between the samples.
 //!
 //! # How the solver finds such commands
 //!

@@ -391,6 +391,13 @@ fn an_arm_keeps_clear_of_a_standing_room_and_of_itself() {
     assert!(with_rows > 500, "the arms met obstacles in {with_rows} periods");
 }
 
+/// A ball that comes at 0.1 m/s is no standing obstacle: the arm goes out of its way.
+#[test]
+fn an_arm_goes_out_of_the_way_of_a_ball() {
+    let outcome = run(Setup { ball: 0.1, seed: 2, ..Setup::default() }, 12_000);
+    assert!(outcome.margin > -1e-6 && outcome.unfree > 100, "{outcome:?}");
+}
+
 /// The same motions without avoidance hit something: otherwise the test above could not fail.
 #[test]
 fn without_avoidance_the_arm_hits_something() {
