@@ -5,6 +5,7 @@ use std::sync::Arc;
 use revprio_core::collision::CollisionReport;
 use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Command, ControllerConfig};
+use revprio_core::resolution::BoundId;
 
 /// The names of constraints, and of the rows that watch distances.
 #[derive(Debug, Clone, Default)]
@@ -24,12 +25,11 @@ impl<'a> ConstraintNames<'a> {
         }
     }
 
-    /// Returns the name of a row of a constraint.
-    pub fn get(&self, index: usize, row: usize) -> &'a str {
-        match self.distances {
-            Some((distances, rows)) if distances == index => rows.get(row).map_or(self.names[index], |name| name),
-            _ => self.names[index],
-        }
+    /// Returns the name of a row of a constraint; `None`: the bound is none.
+    pub fn get(&self, id: BoundId) -> Option<&'a str> {
+        let BoundId::Constraint { index, row } = id else { return None };
+        let of_row = self.distances.filter(|(distances, _)| *distances == index).and_then(|(_, rows)| rows.get(row));
+        of_row.map(|name| &**name).or_else(|| self.names.get(index).copied())
     }
 }
 

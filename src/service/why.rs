@@ -5,7 +5,7 @@ use std::sync::Arc;
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
 use revprio_core::limits::BoundCause;
-use revprio_core::resolution::{ActiveBound, BoundId, Resolution, Side, Status, TaskOutcome};
+use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::report::number::significant;
 use revprio_robot::RobotModel;
 
@@ -132,9 +132,9 @@ impl Explained<'_> {
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
-        let active = resolution.active_constraints().map(|(index, active)| self.inequality(index, active.bound.id));
+        let active = resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
         sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
-        let violated = resolution.broken_constraints().map(|(index, broken)| self.inequality(index, broken.bound.id));
+        let violated = resolution.broken_constraints().filter_map(|(_, broken)| self.inequalities.get(broken.bound.id));
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(
             self.held_by.map(|[link, other]| format!("`{link}` would come too near to `{other}` before the arm stops")),
@@ -158,12 +158,6 @@ impl Explained<'_> {
         }
         sentences.extend(losses);
         sentences
-    }
-
-    /// Returns the name of a row of a constraint.
-    fn inequality(&self, index: usize, id: BoundId) -> &str {
-        let row = if let BoundId::Constraint { row, .. } = id { row } else { 0 };
-        self.inequalities.get(index, row)
     }
 
     fn solver(&self) -> Option<String> {

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use crate::service::error::ApiError;
+use crate::service::robots::MAX_NAME;
 
 /// What reading a part of a body returns.
 pub type Result<T, E = ApiError> = std::result::Result<T, E>;
@@ -10,6 +11,12 @@ pub type Result<T, E = ApiError> = std::result::Result<T, E>;
 /// Refuses the field at `pointer` if it is not right; `detail` says why, with the remedy.
 pub fn check(is_right: bool, pointer: &str, detail: impl Display) -> Result<()> {
     is_right.then_some(()).or_invalid(pointer, detail)
+}
+
+/// Refuses a name that is empty, too long, or breaks the line or the quotes of a sentence.
+pub fn check_name(name: &str, pointer: &str) -> Result<()> {
+    let is_word = (1..=MAX_NAME).contains(&name.len()) && !name.contains(|c: char| c.is_control() || c == '`');
+    check(is_word, pointer, format_args!("give a name of 1 to {MAX_NAME} bytes, without '`' and control characters"))
 }
 
 /// Places the error of a part of a body in the whole body.

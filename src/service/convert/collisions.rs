@@ -10,11 +10,10 @@ use revprio_robot::collision::{
 };
 use revprio_robot::{LinkId, RobotModel};
 
-use super::checks::{Inside, Refused, Result, check, each};
+use super::checks::{Inside, Refused, Result, check, check_name, each};
 use super::numbers::{check_numbers, number};
 use super::pose::pose;
 use crate::service::error::ApiError;
-use crate::service::robots::MAX_NAME;
 
 /// Smallest and largest rate at which distances shrink, 1/s.
 pub const RATE_PER_S: (f64, f64) = (0.01, 1e4);
@@ -41,8 +40,7 @@ pub fn avoidance(collisions: &wire::Collisions, robot: &RobotModel) -> Result<Co
 
 fn obstacle(obstacle: &wire::RoomObstacle) -> Result<Obstacle> {
     let wire::RoomObstacle { name, sphere, capsule, cuboid, half_space, moves } = obstacle;
-    let is_word = (1..=MAX_NAME).contains(&name.len()) && !name.contains(|c: char| c.is_control() || c == '`');
-    check(is_word, "/name", format_args!("give a name of 1 to {MAX_NAME} bytes"))?;
+    check_name(name, "/name")?;
     let (field, shape) = match (sphere, capsule, cuboid, half_space) {
         (Some(sphere), None, None, None) => ("/sphere", sphere_core(sphere).inside("/sphere").map(capsule_shape)?),
         (None, Some(capsule), None, None) => ("/capsule", capsule_core(capsule).inside("/capsule").map(capsule_shape)?),

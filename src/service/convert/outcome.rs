@@ -101,8 +101,8 @@ impl Outcome<'_> {
 
     /// Active inequalities.
     pub fn active_inequalities(&self) -> Vec<wire::ActiveInequality> {
-        let active = |(index, active): (usize, &ActiveBound)| wire::ActiveInequality {
-            name: self.inequality(index, active.bound.id).to_owned(),
+        let active = |(_, active): (usize, &ActiveBound)| wire::ActiveInequality {
+            name: self.inequality(active.bound.id),
             bound: active.value,
             multiplier: active.multiplier,
         };
@@ -111,8 +111,8 @@ impl Outcome<'_> {
 
     /// Violated inequalities.
     pub fn violated_inequalities(&self) -> Vec<wire::ViolatedInequality> {
-        let violation = |(index, broken): (usize, &BrokenBound)| wire::ViolatedInequality {
-            name: self.inequality(index, broken.bound.id).to_owned(),
+        let violation = |(_, broken): (usize, &BrokenBound)| wire::ViolatedInequality {
+            name: self.inequality(broken.bound.id),
             bound: broken.limit,
             value: broken.value,
         };
@@ -120,9 +120,8 @@ impl Outcome<'_> {
     }
 
     /// Returns the name of a row of a constraint.
-    fn inequality(&self, index: usize, id: BoundId) -> &str {
-        let row = if let BoundId::Constraint { row, .. } = id { row } else { 0 };
-        self.inequalities.get(index, row)
+    fn inequality(&self, id: BoundId) -> String {
+        self.inequalities.get(id).unwrap_or_default().to_owned()
     }
 
     /// Contradictions.
@@ -193,9 +192,7 @@ impl Outcome<'_> {
     fn row_name(&self, name: Option<BoundId>) -> wire::RowName {
         let (task, row, inequality) = match name {
             Some(BoundId::Task { index, row }) => (Some(self.tasks[index].to_owned()), Some(row), None),
-            Some(BoundId::Constraint { index, row }) => {
-                (None, None, Some(self.inequalities.get(index, row).to_owned()))
-            }
+            Some(id @ BoundId::Constraint { .. }) => (None, None, Some(self.inequality(id))),
             Some(BoundId::Joint(_)) | None => (None, None, None),
         };
         wire::RowName { task, row, inequality }

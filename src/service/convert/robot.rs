@@ -6,13 +6,13 @@ use revprio_robot::{
     UrdfTip, UrdfTreeOptions,
 };
 
-use super::checks::{Inside, Result, check, each};
+use super::checks::{Inside, Result, check, check_name, each};
 use super::collisions::{shapes_answer, with_shapes};
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
 use crate::service::error::{ApiError, escape_pointer};
-use crate::service::robots::{MAX_NAME, RobotsError};
+use crate::service::robots::RobotsError;
 
 /// Maximum number of tips of a robot.
 pub const MAX_TIPS: usize = 32;
@@ -45,8 +45,7 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
 pub fn check_tip_names(robot: &RobotModel) -> Result<()> {
     for (k, tip) in robot.tips().iter().enumerate() {
         let (name, pointer) = (tip.name.as_str(), format!("/tips/{k}/name"));
-        let is_word = (1..=MAX_NAME).contains(&name.len()) && !name.contains(|c: char| c.is_control() || c == '`');
-        check(is_word, &pointer, format_args!("give a name of 1 to {MAX_NAME} bytes"))?;
+        check_name(name, &pointer)?;
         let is_joint = robot.moving_joints().iter().any(|joint| joint.name == name);
         let is_other_link = robot.link(name).is_some_and(|link| link != tip.link);
         let is_taken = is_joint || is_other_link || ["tool", "base"].contains(&name);

@@ -19,7 +19,7 @@ use crate::arm_state::ArmState;
 use crate::limits::{Drive, DriveState, MAX_DRIVE_DELAY, full_braking, reaction_time, spare_time};
 
 /// Distance, m, by which full braking must come nearer than the pair is now to count as unavoidable. It is more than what the bounds
-/// between samples lose.
+/// between samples lose for an arm that moves slowly.
 const UNAVOIDABLE: f64 = 1e-4;
 
 /// Distance that counts as rounding, m.

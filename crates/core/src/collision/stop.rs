@@ -89,7 +89,8 @@ impl StopPath {
         Self { n, period, position, velocity, travelled, commands, periods: 0, sent: 0, lag: 0.0 }
     }
 
-    /// Follows the commands of a stop until the joints are at rest. What exceeds the allocated number of periods is left out.
+    /// Follows the commands of a stop until the joints are at rest. What exceeds the allocated number of periods is left
+    /// out: only a robot that is first measured at more than twice its speed limits needs more.
     pub fn follow(&mut self, start: Start, braking: Braking) {
         self.write_commands(start.period, braking);
         let Start { position, drive_state, drive, period } = start;
@@ -138,7 +139,8 @@ impl StopPath {
             self.commands.extend_from_slice(command);
         }
         self.sent = held.min(capacity);
-        let mut moves = command.iter().any(|speed| *speed != 0.0);
+        // A joint at zero speed with an acceleration moves on, too.
+        let mut moves = command.iter().chain(acceleration.into_iter().flatten()).any(|entry| *entry != 0.0);
         while moves && self.sent < capacity {
             moves = false;
             for (joint, description) in robot.joints().iter().enumerate() {
