@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use revprio_api::wire::{Pose, RegisteredTip, RobotRegistration, StatedLimits};
+use revprio_api::wire::{CollisionPairs, LinkShape, Pose, RegisteredTip, RobotRegistration, ShapeSource, StatedLimits};
 use revprio_api::{Client, ClientError};
+use revprio_robot::collision::MeshDirectory;
 use revprio_robot::{Overrides, RobotFileError, RobotModel, UrdfOptions, UrdfTreeOptions, from_file, tree_from_file};
 use serde::{Deserialize, Serialize};
 
-use crate::service::{check_tip_names, overrides, registered_tips, robot_answer};
+use crate::service::{
+    check_tip_names, frames_of_srdf, overrides, registered_tips, robot_answer, shapes_answer, with_shapes,
+};
 
 /// A robot file with options.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,6 +25,9 @@ pub struct RobotArgument {
     base: Option<String>,
     tip: Option<String>,
     overrides: Option<PathBuf>,
+    srdf: Option<PathBuf>,
+    /// Whether capsules that contain the `<collision>` elements cover the links.
+    fits_shapes: bool,
 }
 
 /// The values of an overrides file: those of a registration besides its name and text.
@@ -34,6 +40,9 @@ struct OverridesFile {
     limits: Option<BTreeMap<String, StatedLimits>>,
     joint_names: Option<BTreeMap<String, String>>,
     tool_offset: Option<Pose>,
+    shapes: Option<ShapeSource>,
+    shape_list: Option<Vec<LinkShape>>,
+    collision_pairs: Option<CollisionPairs>,
 }
 
 /// Why a robot argument cannot be used.
@@ -70,11 +79,13 @@ pub enum RobotArgumentError {
 }
 
 impl RobotArgument {
-    pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK][,overrides=FILE]";
+    pub const SYNTAX: &str = "FILE[,name=NAME][,base=LINK][,tip=LINK][,srdf=FILE][,shapes=fit][,overrides=FILE]";
 
     pub const HELP: &str = "Your own robot, as URDF (.urdf) or Denavit-Hartenberg rows (.toml, .json). For URDF, `tip` is the link \
-         of the tool frame and `base` the link of the base frame, if the file has several candidates; `overrides` is a JSON file \
-         with any of `base`, `tip`, `tips`, `limits`, `joint_names` and `tool_offset` of POST /v1/robots";
+         of the tool frame and `base` the link of the base frame, if the file has several candidates; `srdf` is the semantic \
+         description that belongs to it; `shapes=fit` covers its links by capsules that contain its <collision> elements and their \
+         meshes; `overrides` is a JSON file with any of `base`, `tip`, `tips`, `limits`, `joint_names`, `tool_offset`, `shapes`, \
+         `shape_list` and `collision_pairs` of POST /v1/robots";
 
     /// Returns the robots of a directory in the order of their names. Each file is a robot with the name of the file,
     /// without the extension. Subdirectories and hidden files are not read.
@@ -86,8 +97,18 @@ impl RobotArgument {
         let mut paths: Vec<PathBuf> = paths.filter(|path| !path.is_dir() && !is_hidden(path)).collect();
         paths.sort();
         let name = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let robot = |path: PathBuf| Self { name: name(&path), path, base: None, tip: None, overrides: None };
+        let robot = |path: PathBuf| Self { name: name(&path), ..Self::of_file(path) };
         Ok(paths.into_iter().map(robot).collect())
+    }
+
+    /// Returns the argument of a file without options.
+    fn of_file(path: PathBuf) -> Self {
+        Self { path, name: None, base: None, tip: None, overrides: None, srdf: None, fits_shapes: false }
+    }
+
+    /// Returns the same argument, with capsules that contain the `<collision>` elements of the file.
+    pub fn with_fitted_shapes(&self) -> Self {
+        Self { fits_shapes: true, ..self.clone() }
     }
 
     /// Returns the file.
@@ -97,10 +118,18 @@ impl RobotArgument {
 
     /// Reads the robot.
     pub fn read(&self) -> Result<Arc<RobotModel>, RobotArgumentError> {
-        let registration = self.registration(String::new(), String::new())?;
-        let overrides = overrides(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        let registration = self.registration(String::new())?;
+        let robot = self.read_without_shapes(&registration)?;
+        let meshes = MeshDirectory::of_urdf(&self.path);
+        let robot = with_shapes(robot, &registration, Some(&meshes))
+            .map_err(|error| self.wrong_overrides(error.to_string()))?;
+        Ok(Arc::new(robot))
+    }
+
+    fn read_without_shapes(&self, registration: &RobotRegistration) -> Result<RobotModel, RobotArgumentError> {
+        let overrides = overrides(registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
         if let Some(tips) = &registration.tips {
-            return self.read_tree(tips, &registration, &overrides);
+            return self.read_tree(tips, registration, &overrides);
         }
         let options = UrdfOptions {
             name: self.name.as_deref(),
@@ -109,7 +138,7 @@ impl RobotArgument {
             tip: registration.tip.as_deref(),
             overrides: self.overrides.is_some().then_some(&overrides),
         };
-        Ok(from_file(&self.path, &options).map(Arc::new)?)
+        Ok(from_file(&self.path, &options)?)
     }
 
     /// Reads a robot with these tips: all that is below the base.
@@ -118,7 +147,7 @@ impl RobotArgument {
         tips: &[RegisteredTip],
         registration: &RobotRegistration,
         overrides: &Overrides,
-    ) -> Result<Arc<RobotModel>, RobotArgumentError> {
+    ) -> Result<RobotModel, RobotArgumentError> {
         let tips: Vec<_> = registered_tips(tips).map_err(|error| self.wrong_overrides(error.to_string()))?;
         let options = UrdfTreeOptions {
             name: self.name.as_deref(),
@@ -129,27 +158,35 @@ impl RobotArgument {
         };
         let robot = tree_from_file(&self.path, &options)?;
         check_tip_names(&robot).map_err(|error| self.wrong_overrides(error.to_string()))?;
-        Ok(Arc::new(robot))
+        Ok(robot)
     }
 
     /// Returns the registration of the robot; base and tip of the argument have priority over those of its overrides file.
-    fn registration(&self, name: String, urdf: String) -> Result<RobotRegistration, RobotArgumentError> {
+    fn registration(&self, name: String) -> Result<RobotRegistration, RobotArgumentError> {
         let file = self.overrides_file()?;
         if file.tips.is_some() && (self.tip.is_some() || file.tip.is_some()) {
             return Err(self.wrong_overrides("give either `tip` or `tips`".to_owned()));
         }
-        Ok(RobotRegistration {
-            collision_pairs: None,
-            shape_list: None,
+        let registration = RobotRegistration {
             name,
-            urdf,
+            urdf: if self.is_urdf() { read_text(&self.path)? } else { String::new() },
+            srdf: self.srdf.as_ref().map(|path| read_text(path)).transpose()?,
+            shapes: file.shapes.or(self.fits_shapes.then_some(ShapeSource::Fit)),
+            shape_list: file.shape_list,
+            collision_pairs: file.collision_pairs,
             base: self.base.clone().or(file.base),
             tip: self.tip.clone().or(file.tip),
             tips: file.tips,
             limits: file.limits,
             joint_names: file.joint_names,
             tool_offset: file.tool_offset,
-        })
+        };
+        let with_frames = frames_of_srdf(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        Ok(with_frames.unwrap_or(registration))
+    }
+
+    fn is_urdf(&self) -> bool {
+        self.path.extension().is_some_and(|ending| ending == "urdf")
     }
 
     fn overrides_file(&self) -> Result<OverridesFile, RobotArgumentError> {
@@ -176,12 +213,14 @@ impl RobotArgument {
                 Err(RobotArgumentError::OtherRobot { server: server.to_owned(), name: known.name })
             };
         }
-        if self.path.extension().is_none_or(|ending| ending != "urdf") {
+        if !self.is_urdf() {
             return Err(RobotArgumentError::NotSent(self.to_string()));
         }
-        let source = |source| RobotFileError::Read { path: self.path.clone(), source };
-        let urdf = std::fs::read_to_string(&self.path).map_err(source)?;
-        let registration = self.registration(robot.name().to_owned(), urdf)?;
+        let mut registration = self.registration(robot.name().to_owned())?;
+        if registration.shapes.take().is_some() {
+            // The server does not have the meshes.
+            registration.shape_list = shapes_answer(robot).map(|shapes| shapes.shape_list);
+        }
         Ok(Some(Registration::new(&registration, client)?))
     }
 }
@@ -192,21 +231,27 @@ impl FromStr for RobotArgument {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut parts = text.split(',');
         let path = parts.next().filter(|path| !path.is_empty()).ok_or("give a file")?;
-        let mut argument = Self { path: path.into(), name: None, base: None, tip: None, overrides: None };
-        let mut overrides = None;
+        let mut argument = Self::of_file(path.into());
+        let (mut overrides, mut srdf, mut shapes) = (None, None, None);
         for part in parts {
             let slot = match part.split_once('=') {
                 Some(("name", value)) => (&mut argument.name, value),
                 Some(("base", value)) => (&mut argument.base, value),
                 Some(("tip", value)) => (&mut argument.tip, value),
                 Some(("overrides", value)) => (&mut overrides, value),
-                _ => return Err(format!("`{part}` is none of name=…, base=…, tip=…, overrides=…")),
+                Some(("srdf", value)) => (&mut srdf, value),
+                Some(("shapes", value @ "fit")) => (&mut shapes, value),
+                _ => {
+                    return Err(format!("`{part}` is none of name=…, base=…, tip=…, srdf=…, shapes=fit, overrides=…"));
+                }
             };
             if slot.0.replace(slot.1.to_owned()).is_some() {
                 return Err(format!("`{part}` is given twice"));
             }
         }
         argument.overrides = overrides.map(PathBuf::from);
+        argument.srdf = srdf.map(PathBuf::from);
+        argument.fits_shapes = shapes.is_some();
         Ok(argument)
     }
 }
@@ -232,11 +277,17 @@ impl fmt::Display for RobotArgument {
         for (key, value) in options.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?))) {
             write!(formatter, ",{key}={value}")?;
         }
-        if let Some(path) = &self.overrides {
-            write!(formatter, ",overrides={}", path.display())?;
+        for (key, path) in [("srdf", &self.srdf), ("overrides", &self.overrides)] {
+            if let Some(path) = path {
+                write!(formatter, ",{key}={}", path.display())?;
+            }
         }
-        Ok(())
+        if self.fits_shapes { formatter.write_str(",shapes=fit") } else { Ok(()) }
     }
+}
+
+fn read_text(path: &Path) -> Result<String, RobotFileError> {
+    std::fs::read_to_string(path).map_err(|source| RobotFileError::Read { path: path.to_owned(), source })
 }
 
 /// A robot that is registered at a server until this value is dropped.
@@ -265,12 +316,12 @@ mod tests {
 
     #[test]
     fn options_are_accepted_in_any_order() {
-        let text = "arms/my.urdf,tip=hand,name=mine,overrides=my.json";
+        let text = "arms/my.urdf,tip=hand,name=mine,shapes=fit,srdf=my.srdf,overrides=my.json";
         let robot: RobotArgument = text.parse().unwrap();
         assert_eq!((robot.path.to_str(), robot.name.as_deref()), (Some("arms/my.urdf"), Some("mine")));
         assert_eq!((robot.tip.as_deref(), robot.base.as_deref()), (Some("hand"), None));
         assert_eq!(robot.to_string().parse(), Ok(robot));
-        for wrong in ["", ",tip=a", "a.urdf,tool=b", "a.urdf,tip", "a.urdf,tip=a,tip=b"] {
+        for wrong in ["", ",tip=a", "a.urdf,tool=b", "a.urdf,tip", "a.urdf,tip=a,tip=b", "a.urdf,shapes=none"] {
             assert!(wrong.parse::<RobotArgument>().is_err(), "{wrong}");
         }
     }

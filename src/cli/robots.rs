@@ -7,6 +7,7 @@ use super::known::known_robot;
 use super::output::print_text;
 use super::robot::RobotArgument;
 use super::text::{WIDTH, columns, wrapped};
+use crate::service::shapes_answer;
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -29,6 +30,12 @@ enum Command {
         #[arg(value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP, value_hint = clap::ValueHint::FilePath)]
         robot: RobotArgument,
     },
+    /// Print capsules that contain the <collision> elements of a robot file and their meshes, as JSON for an overrides file or POST
+    /// /v1/robots
+    Fit {
+        #[arg(value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP, value_hint = clap::ValueHint::FilePath)]
+        robot: RobotArgument,
+    },
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
@@ -39,7 +46,15 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         }
         Command::Check { robot } => {
             let robot = robot.read()?;
-            shown(&robot) + "\n" + &remarks(&robot)
+            shown(&robot) + "\n" + &remarks(&robot) + &shapes(&robot)
+        }
+        Command::Fit { robot } => {
+            let robot = robot.with_fitted_shapes().read()?;
+            if let Some(text) = uncovered(&robot) {
+                eprintln!("{text}");
+            }
+            let shape_list = shapes_answer(&robot).map(|shapes| shapes.shape_list).unwrap_or_default();
+            format!("{:#}\n", serde_json::json!({ "shape_list": shape_list }))
         }
     };
     Ok(print_text(text)?)
@@ -116,6 +131,29 @@ fn remarks(robot: &RobotModel) -> String {
     let lines: Vec<_> =
         lines.map(|(joints, text)| wrapped(&format!("{joints}: {text}."), WIDTH).join("\n") + "\n").collect();
     if lines.is_empty() { "The file states all limits that a controller needs.\n".to_owned() } else { lines.concat() }
+}
+
+/// Returns lines about the tips and the shapes of a robot.
+fn shapes(robot: &RobotModel) -> String {
+    let mut lines = Vec::new();
+    if robot.tips().len() > 1 {
+        let tips: Vec<_> = robot.tips().iter().map(|tip| tip.name.as_str()).collect();
+        lines.push(format!("Tips, first the tool: {}.", tips.join(", ")));
+    }
+    if let Some(shapes) = shapes_answer(robot) {
+        let (capsules, watched, left_out) = (shapes.shape_list.len(), shapes.watched_pairs, shapes.left_out.len());
+        lines.push(format!(
+            "Shapes: {capsules} capsules, {watched} pairs of them are watched, {left_out} pairs of links are left out."
+        ));
+    }
+    lines.extend(uncovered(robot));
+    lines.iter().map(|line| wrapped(line, WIDTH).join("\n") + "\n").collect()
+}
+
+/// Returns a line about the links that no shape covers, if there are any.
+fn uncovered(robot: &RobotModel) -> Option<String> {
+    let links = robot.collision()?.uncovered();
+    (!links.is_empty()).then(|| format!("No shape covers {}: nothing keeps them clear.", links.join(", ")))
 }
 
 #[cfg(test)]

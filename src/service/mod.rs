@@ -194,7 +194,9 @@ mod workers;
 pub use app::{Service, router};
 pub use checked_stepper::ComputedStep;
 pub use config::ServiceConfig;
-pub use convert::{check_tip_names, controller, overrides, registered_tips, robot_answer};
+pub use convert::{
+    check_tip_names, controller, frames_of_srdf, overrides, registered_tips, robot_answer, shapes_answer, with_shapes,
+};
 pub use error::ApiError;
 pub use heartbeat::Supervisor;
 pub use host::is_host_name;

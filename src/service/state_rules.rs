@@ -4,7 +4,7 @@ use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
 use revprio_robot::Joint;
 
-use super::error::ApiError;
+use super::error::{ApiError, escape_pointer};
 
 /// Distance outside the range that is reported, rad or m. Sensors of joints are more exact.
 const REPORTED_DISTANCE: f64 = 1e-3;
@@ -61,9 +61,15 @@ impl StateRules {
                 ));
             }
         }
-        let (force, torque) = state.wrench.split_at(3);
-        check_wrench(force, self.checks.max_force_n, "/wrench/force", "N", "max_force_n")?;
-        check_wrench(torque, self.checks.max_torque_nm, "/wrench/torque", "N·m", "max_torque_nm")
+        for (tip, wrench) in measured_wrenches(state) {
+            let field = tip.map_or("/wrench".to_owned(), |tip| {
+                format!("/wrenches/{}", escape_pointer(&controller.config().robot.tips()[tip].name))
+            });
+            let (force, torque) = wrench.split_at(3);
+            check_wrench(force, self.checks.max_force_n, &format!("{field}/force"), "N", "max_force_n")?;
+            check_wrench(torque, self.checks.max_torque_nm, &format!("{field}/torque"), "N·m", "max_torque_nm")?;
+        }
+        Ok(())
     }
 
     /// Adds warnings about a state and its command.
@@ -80,14 +86,14 @@ impl StateRules {
             };
             warnings.push(format!("joint `{name}` at {q} is outside its range {lower} … {upper}; {effect}"));
         }
-        let (force, torque) = state.wrench.split_at(3);
-        for (values, bound) in [(force, self.checks.max_force_n), (torque, self.checks.max_torque_nm)] {
-            if let Some(value) = values.iter().find(|value| bound.is_none() && value.abs() > REPORTED_WRENCH) {
-                warnings.push(format!(
-                    "the wrench has an entry of {value} N or N·m; check the sensor and its unit, and set \
-                     `state_checks.max_force_n` and `max_torque_nm` to the range of the sensor"
-                ));
-            }
+        let bounds = [self.checks.max_force_n, self.checks.max_torque_nm];
+        let entries = measured_wrenches(state).flat_map(|(_, wrench)| wrench.iter().enumerate());
+        let unbounded = entries.filter(|(entry, _)| bounds[entry / 3].is_none());
+        for (_, value) in unbounded.filter(|(_, value)| value.abs() > REPORTED_WRENCH) {
+            warnings.push(format!(
+                "a wrench has an entry of {value} N or N·m; check the sensor and its unit, and set \
+                 `state_checks.max_force_n` and `max_torque_nm` to the range of the sensor"
+            ));
         }
         for &joint in &command.hold.too_fast {
             let name = &controller.config().robot.joints()[joint].name;
@@ -162,6 +168,12 @@ fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator
         (distance > 0.0).then_some((joint, q, distance))
     };
     controller.config().robot.joints().iter().zip(position).filter_map(distance)
+}
+
+/// Returns the measured wrenches; `None`: that of the tool.
+fn measured_wrenches(state: &Measurement) -> impl Iterator<Item = (Option<usize>, &[f64; 6])> {
+    let others = state.wrenches.iter().map(|measured| (Some(measured.tip), &measured.wrench));
+    [(None, &state.wrench)].into_iter().chain(others)
 }
 
 fn check_wrench(values: &[f64], bound: Option<f64>, pointer: &str, unit: &str, field: &str) -> Result<(), ApiError> {

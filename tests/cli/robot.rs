@@ -182,3 +182,64 @@ fn tips_beside_the_file_make_a_robot_of_all_arms() {
     let refused = failure(&["robots", "check", &format!("{urdf},overrides={taken}")]);
     assert!(refused.contains("`tool` is the name of"), "{refused}");
 }
+
+/// A cube of 0.1 m in the format STL.
+fn cube() -> String {
+    let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| if bit == 1 { "0.1" } else { "0" }).join(" ");
+    let faces = [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 3, 7],
+        [1, 7, 5],
+    ];
+    let facet = |face: [usize; 3]| {
+        let vertices = face.map(|k| format!("vertex {}\n", corner(k))).concat();
+        format!("facet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\n")
+    };
+    format!("solid cube\n{}endsolid cube\n", faces.map(facet).concat())
+}
+
+#[test]
+fn capsules_contain_the_meshes_of_a_file_and_are_printed_for_a_registration() {
+    let scratch = Scratch::new("robot_fit");
+    scratch.write("cube.stl", &cube());
+    let link = r#"<link name="hand"><collision><geometry><mesh filename="cube.stl" scale="2 2 2"/></geometry></collision></link>
+      <link name="camera"><visual><geometry><sphere radius="0.02"/></geometry></visual></link>"#;
+    let text = format!(
+        r#"<robot name="boxer"><link name="base"/>{link}<joint name="turn" type="continuous"><parent link="base"/><child link="hand"/>
+        <axis xyz="0 0 1"/><limit velocity="1"/></joint><joint name="eye" type="fixed"><parent link="hand"/><child link="camera"/></joint></robot>"#
+    );
+    let urdf = scratch.write("boxer.urdf", &text);
+    let printed: Value = serde_json::from_str(&success(&["robots", "fit", &format!("{urdf},tip=hand")])).unwrap();
+    let shapes = printed["shape_list"].as_array().unwrap();
+    assert_eq!((shapes.len(), shapes[0]["link"].as_str()), (1, Some("hand")));
+    // The ball around a cube of 0.2 m, at the least.
+    let radius = shapes[0]["sphere"]["radius"].as_f64().or(shapes[0]["capsule"]["radius"].as_f64()).unwrap();
+    assert!((0.14..0.19).contains(&radius), "{shapes:?}");
+    let fitted = scratch.write("shapes.json", &printed.to_string());
+    let shown = success(&["robots", "check", &format!("{urdf},tip=hand,overrides={fitted}")]);
+    assert!(shown.contains("Shapes: 1 capsules"), "{shown}");
+    let shown = success(&["robots", "check", &format!("{urdf},tip=hand,shapes=fit")]);
+    assert!(shown.contains("No shape covers camera"), "{shown}");
+    let server = Server::start_with(&["--robot", &format!("{urdf},tip=hand,shapes=fit")]);
+    assert!(server.get("/v1/robots/boxer").contains("uncovered_links"));
+    std::fs::remove_file(scratch.argument("cube.stl")).unwrap();
+    let missing = failure(&["robots", "fit", &format!("{urdf},tip=hand")]);
+    assert!(missing.contains("the mesh cube.stl is not found"), "{missing}");
+}
+
+#[test]
+fn a_semantic_description_beside_the_file_gives_its_tips() {
+    let duo = "fixtures/robots/duo.urdf,srdf=fixtures/robots/duo.srdf,shapes=fit";
+    let shown = success(&["robots", "check", duo]);
+    assert!(shown.contains("joints 13") && shown.contains("Tips, first the tool: left_hand, right_hand."), "{shown}");
+    assert!(failure(&["robots", "check", "fixtures/robots/duo.urdf,srdf=none.srdf"]).contains("cannot read none.srdf"));
+}

@@ -24,6 +24,7 @@ mod replace;
 mod robots;
 mod security;
 mod sequence;
+mod shapes;
 mod simulations;
 mod speed_limits;
 mod states;

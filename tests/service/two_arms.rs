@@ -159,7 +159,10 @@ fn wrong_links_and_tips_are_refused_with_the_place() {
     let force =
         json!({"kind": "force", "inertia": 15, "damping": 150, "target_force": {"kind": "constant", "value": 5}});
     service
-        .post("/v1/controllers", &controller(json!({"name": "push", "link": "right", "axes": ["x"], "law": &force})))
+        .post(
+            "/v1/controllers",
+            &controller(json!({"name": "push", "link": "right_lower", "axes": ["x"], "law": &force})),
+        )
         .assert_refused(422, Some("/tasks/0/law"));
     let posture = json!({"kind": "posture", "gain": 1, "target_position": "mid_range"});
     service
@@ -186,4 +189,83 @@ fn wrong_links_and_tips_are_refused_with_the_place() {
     assert_eq!(service.post("/v1/controllers", &controller(from_base)).status, 201);
     with(&|robot| robot["tips"][1]["offset"]["orientation"]["w"] = json!(2))
         .assert_refused(422, Some("/tips/1/offset/orientation"));
+}
+
+/// Returns the body of a stateless step in which both hands yield, with wrenches.
+fn yielding(wrenches: &Value) -> Value {
+    let hand = |name: &str| {
+        let law = json!({"kind": "impedance", "stiffness": [500], "damping": [50], "inertia": [1]});
+        json!({"name": name, "link": name, "axes": ["x"], "law": law})
+    };
+    let controller = json!({"robot": "two-arms", "period_s": 0.004, "tasks": [hand("left"), hand("right")]});
+    let state = json!({"sequence": 0, "time_s": 0, "joint_position": POSTURE, "wrenches": wrenches});
+    json!({"controller": controller, "state": state})
+}
+
+#[test]
+fn each_hand_yields_to_its_own_wrench() {
+    let service = with_two_arms();
+    let wrench = |force: f64| json!({"force": [force, 0, 0], "torque": [0, 0, 0]});
+    let answer = service.call("/v1/step", &yielding(&json!({"left": wrench(0.0), "right": wrench(10.0)})));
+    let velocity = |k: usize| answer["tasks"][k]["requested"][0].as_f64().unwrap();
+    assert_eq!(velocity(0), 0.0);
+    assert!(velocity(1) < -1e-3, "{}", velocity(1));
+    // `wrench` is that of the first tip.
+    let mut twice = yielding(&json!({"right": wrench(10.0)}));
+    twice["state"]["wrench"] = wrench(0.0);
+    assert_eq!(service.call("/v1/step", &twice)["joint_velocity"], answer["joint_velocity"]);
+}
+
+#[test]
+fn wrenches_that_are_missing_given_twice_or_of_no_tip_are_refused() {
+    let service = with_two_arms();
+    let wrench = json!({"force": [0, 0, 0], "torque": [0, 0, 0]});
+    let far = json!({"force": [1e5, 0, 0], "torque": [0, 0, 0]});
+    let refused = |body: &Value, pointer: &str| {
+        let answer = service.post("/v1/step", &body.to_string());
+        assert_eq!(answer.refusal_difference(422, Some(pointer)), None, "{}", answer.text);
+    };
+    refused(&yielding(&json!({"left": wrench})), "/state/wrenches/right");
+    refused(&yielding(&json!({"right": wrench})), "/state/wrench");
+    refused(&yielding(&json!({"left": wrench, "right": wrench, "left_hand": wrench})), "/state/wrenches/left_hand");
+    let mut twice = yielding(&json!({"left": wrench, "right": wrench}));
+    twice["state"]["wrench"] = wrench.clone();
+    refused(&twice, "/state/wrenches/left");
+    let mut bounded = yielding(&json!({"left": wrench, "right": far}));
+    bounded["controller"]["state_checks"] = json!({"max_force_n": 100});
+    refused(&bounded, "/state/wrenches/right/force");
+}
+
+#[test]
+fn a_hand_that_looks_at_a_point_has_two_rows_and_no_axes() {
+    let service = with_two_arms();
+    let look = |law: &Value, more: &Value| {
+        let mut law = law.clone();
+        law["kind"] = json!("look_at");
+        let mut task = json!({"name": "watch", "link": "right", "relative_to": "left", "law": law});
+        task.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let controller = json!({"robot": "two-arms", "period_s": 0.004, "tasks": [task]});
+        json!({"controller": controller, "state": {"sequence": 0, "time_s": 0, "joint_position": POSTURE}})
+    };
+    let point = json!({"kind": "constant", "value": [0.3, 0.1, 0]});
+    let law = json!({"gain": 3, "direction": [1, 0, 0], "target_point": point});
+    let answer = service.call("/v1/step", &look(&law, &json!({})));
+    assert_eq!(answer["tasks"][0]["requested"].as_array().unwrap().len(), 2);
+    assert!(answer["tasks"][0]["achieved"][0].as_f64().unwrap() > 0.05, "{answer}");
+    let refused = |law: Value, more: Value, pointer: &str| {
+        let answer = service.post("/v1/step", &look(&law, &more).to_string());
+        assert_eq!(answer.refusal_difference(422, Some(pointer)), None, "{}", answer.text);
+    };
+    refused(law.clone(), json!({"axes": ["x"]}), "/controller/tasks/0/axes");
+    refused(law.clone(), json!({"frame": "tool"}), "/controller/tasks/0/frame");
+    refused(law.clone(), json!({"link": "nose"}), "/controller/tasks/0/link");
+    let with = |field: &str, value: Value| {
+        let mut changed = law.clone();
+        changed[field] = value;
+        changed
+    };
+    refused(with("direction", json!([0, 0, 0])), json!({}), "/controller/tasks/0/law/direction");
+    refused(with("gain", json!(-1)), json!({}), "/controller/tasks/0/law/gain");
+    let two = json!({"kind": "constant", "value": [0, 0]});
+    refused(with("target_point", two), json!({}), "/controller/tasks/0/law/target_point/value");
 }

@@ -8,6 +8,7 @@ from conftest import FaultyProxy, example
 from numpy.typing import NDArray
 from plant import Plant, assert_same_run, scenario, simulated
 
+import revprio
 from revprio import (
     Client,
     ConflictError,
@@ -102,6 +103,38 @@ def test_obstacles_are_sent_by_all_controllers(client: Client) -> None:
     with pytest.raises(InvalidError) as refused:
         here.step(home)
     assert refused.value.pointer == "/obstacles"
+
+
+def test_wrenches_of_tips_are_sent_by_all_controllers(client: Client) -> None:
+    robot = example("robot_two_arms")
+    client.register_robot(**{**robot, "name": "two-arms-wrenches"})
+    revprio.register_robot(**{**robot, "name": "two-arms-wrenches"})
+    law = {"kind": "impedance", "inertia": [1], "damping": [50], "stiffness": [500]}
+    hands = [{"name": tip, "link": tip, "axes": ["x"], "law": law} for tip in ("left", "right")]
+    config = ControllerConfig.model_validate({"robot": "two-arms-wrenches", "period_s": 0.004, "tasks": hands})
+    q = np.array([0.1, 0.6, -0.9, 0.3, -0.5, 0.8, -0.2])
+    pushed = Wrench(force=np.array([10.0, 0.0, 0.0]), torque=np.zeros(3))
+
+    def velocities(controller: Controller) -> list[float]:
+        answer = controller.step(q, wrenches={"left": np.zeros(6), "right": pushed})
+        return [float(task.requested[0]) for task in answer.tasks]
+
+    with Session(client, config) as session:
+        by_session = velocities(session)
+    with Stateless(client, config) as stateless:
+        assert velocities(stateless) == by_session
+    with Session(client, config) as session, session.stream() as stream:
+        assert velocities(stream) == by_session
+    here = Controller(**config.model_dump(exclude_unset=True))
+    assert velocities(here) == by_session
+    assert by_session[0] == 0.0
+    assert by_session[1] < 0.0
+    with pytest.raises(InvalidError) as refused:
+        here.step(q, wrench=np.zeros(6))
+    assert refused.value.pointer == "/wrenches/right"
+    with pytest.raises(InvalidError) as refused:
+        here.step(q, wrenches={"left": np.zeros(6), "right": np.zeros(5)})
+    assert refused.value.pointer == "/wrenches/right"
 
 
 def test_a_target_that_does_not_fit_is_refused(client: Client, config: ControllerConfig) -> None:

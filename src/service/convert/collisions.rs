@@ -6,9 +6,10 @@ use revprio_core::collision::{
     CollisionAvoidance, CollisionReport, MAX_OBSTACLES, Obstacle, ObstacleShape, ObstacleState, PairReport,
 };
 use revprio_robot::collision::{
-    CollisionError, CollisionModel, LinkCapsule, MAX_CAPSULES, OrientedBox, PairReason, Segment, StatedPair,
+    CollisionError, CollisionModel, FitError, FittedShapes, LinkCapsule, MAX_CAPSULES, MeshDirectory, OrientedBox,
+    PairReason, Segment, StatedPair,
 };
-use revprio_robot::{LinkId, RobotModel};
+use revprio_robot::{DisabledPair, LinkId, RobotModel, Srdf};
 
 use super::checks::{Inside, Refused, Result, check, check_name, each};
 use super::numbers::{check_numbers, number};
@@ -89,22 +90,33 @@ pub fn obstacle_states(states: &[wire::ObstacleState]) -> Result<Vec<ObstacleSta
     })
 }
 
-/// Returns the same robot with the shapes of a registration.
-pub fn with_shapes(robot: RobotModel, request: &wire::RobotRegistration) -> Result<RobotModel> {
-    let Some(shapes) = &request.shape_list else {
-        check(request.collision_pairs.is_none(), "/collision_pairs", "give `shape_list` too")?;
+/// Returns the same robot with the shapes of a registration. `meshes`: where the files are that its text names; `None`: it was sent.
+pub fn with_shapes(
+    robot: RobotModel,
+    request: &wire::RobotRegistration,
+    meshes: Option<&MeshDirectory>,
+) -> Result<RobotModel> {
+    let disabled = srdf(request)?.disabled;
+    if request.shapes.is_none() && request.shape_list.is_none() {
+        check(request.collision_pairs.is_none(), "/collision_pairs", "give `shapes` or `shape_list` too")?;
         return Ok(robot);
+    }
+    let listed = request.shape_list.as_deref().unwrap_or_default();
+    check(listed.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
+    let mut listed: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(&robot, shape))?;
+    let stated = stated_pairs(&robot, request, disabled)?;
+    let fitted = match request.shapes {
+        Some(wire::ShapeSource::Fit) => {
+            robot.fitted_shapes(&request.urdf, meshes).map_err(|error| fit_error(&error))?
+        }
+        None => FittedShapes::default(),
     };
-    check(shapes.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
-    let capsules = each("/shape_list", shapes, |_, shape| link_capsule(&robot, shape))?;
-    let pairs = request.collision_pairs.iter().flat_map(|pairs| &pairs.leave_out);
-    let stated = pairs.enumerate().map(|(i, names)| {
-        let at = |side: usize| format!("/collision_pairs/leave_out/{i}/{side}");
-        let links = [link(&robot, &names[0], &at(0))?, link(&robot, &names[1], &at(1))?];
-        Ok(StatedPair { links, reason: STATED.to_owned() })
-    });
-    let stated = stated.collect::<Result<Vec<StatedPair>>>()?;
-    robot.with_capsules(capsules, &stated).map_err(|error| {
+    let is_listed = |fitted: &LinkCapsule| listed.iter().any(|listed| listed.link == fitted.link);
+    let others: Vec<LinkCapsule> = fitted.capsules.into_iter().filter(|fitted| !is_listed(fitted)).collect();
+    listed.extend(others);
+    let is_covered = |name: &str| robot.link(name).is_some_and(|link| listed.iter().any(|shape| shape.link == link));
+    let uncovered = fitted.uncovered.into_iter().filter(|name| !is_covered(name)).collect();
+    robot.with_fitted(FittedShapes { capsules: listed, uncovered }, &stated).map_err(|error| {
         let pointer = match error {
             CollisionError::Capsule { index } => format!("/shape_list/{index}"),
             CollisionError::TooMany { .. } => "/shape_list".to_owned(),
@@ -113,8 +125,42 @@ pub fn with_shapes(robot: RobotModel, request: &wire::RobotRegistration) -> Resu
     })
 }
 
-/// Reason of pairs that a registration leaves out.
+fn fit_error(error: &FitError) -> ApiError {
+    let pointer = match error {
+        FitError::NoFiles { .. } | FitError::NoBodies => "/shapes",
+        FitError::Urdf(_) | FitError::Mesh { .. } => "/urdf",
+    };
+    ApiError::invalid(pointer, error)
+}
+
+/// Reason of pairs that a registration leaves out without saying why.
 const STATED: &str = "stated";
+
+/// Reads the pairs that a registration leaves out. Those of its SRDF text (`disabled`) whose links are no part of the robot stay watched.
+fn stated_pairs(
+    robot: &RobotModel,
+    request: &wire::RobotRegistration,
+    disabled: Vec<DisabledPair>,
+) -> Result<Vec<StatedPair>> {
+    let mut stated = Vec::new();
+    for (i, names) in request.collision_pairs.iter().flat_map(|pairs| &pairs.leave_out).enumerate() {
+        let at = |side: usize| format!("/collision_pairs/leave_out/{i}/{side}");
+        let links = [link(robot, &names[0], &at(0))?, link(robot, &names[1], &at(1))?];
+        stated.push(StatedPair { links, reason: STATED.to_owned() });
+    }
+    for DisabledPair { links: [first, second], reason } in disabled {
+        if let (Some(first), Some(second)) = (robot.link(&first), robot.link(&second)) {
+            let reason = if reason.is_empty() { STATED.to_owned() } else { reason };
+            stated.push(StatedPair { links: [first, second], reason });
+        }
+    }
+    Ok(stated)
+}
+
+/// Reads the SRDF text of a registration; empty without one.
+pub fn srdf(request: &wire::RobotRegistration) -> Result<Srdf> {
+    request.srdf.as_ref().map_or_else(|| Ok(Srdf::default()), |text| Srdf::read(text).at("/srdf"))
+}
 
 fn link_capsule(robot: &RobotModel, shape: &wire::LinkShape) -> Result<LinkCapsule> {
     let link = link(robot, &shape.link, "/link")?;
@@ -151,6 +197,7 @@ pub fn shapes_answer(robot: &RobotModel) -> Option<wire::RobotShapes> {
         shape_list: model.capsules().iter().map(shape).collect(),
         watched_pairs: model.pairs().len(),
         left_out: left_out_answer(model, name),
+        uncovered_links: model.uncovered().to_vec(),
     })
 }
 

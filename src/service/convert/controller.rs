@@ -140,8 +140,9 @@ fn config_pointer(error: &ConfigError) -> String {
 fn task_field(error: &TaskConfigError) -> &'static str {
     match error {
         TaskConfigError::Rows(
-            RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw | RowsError::LinkLaw,
+            RowsError::Rows { .. } | RowsError::JointLaw | RowsError::RawLaw | RowsError::GazeLaw | RowsError::LinkLaw,
         ) => "/law",
+        TaskConfigError::Rows(RowsError::Direction) => "/law/direction",
         TaskConfigError::Rows(RowsError::Link) => "/link",
         TaskConfigError::Rows(RowsError::Joints) => "/law/joints",
         TaskConfigError::Rows(RowsError::Jacobian { .. }) => "/jacobian",

@@ -30,9 +30,10 @@ mod targets;
 mod task;
 mod terms;
 mod virtual_arm_memory;
+mod wrenches;
 
 pub use arm::{arm_view, finite, single};
-pub use collisions::RATE_PER_S;
+pub use collisions::{RATE_PER_S, shapes_answer, with_shapes};
 pub use control::{MAX_SPEED, MAX_STEPS, MIN_SPEED, check_control, check_interactive};
 pub use controller::{CHARACTERISTIC_LENGTH_M, MAX_LAG_S, MAX_TASKS, MAX_VALID_FOR_MS, controller, state_rules};
 pub use environment::MAX_ENVIRONMENT_DELAY;
@@ -43,7 +44,9 @@ pub use numbers::{MAX_JOINTS, MAX_MAGNITUDE, MAX_TIME_S, MIN_INERTIA};
 pub use profile::MAX_POINTS;
 pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem};
 pub use resolve_task::MAX_ROWS;
-pub use robot::{MAX_TIPS, check_tip_names, overrides, registered_tips, robot, robot_answer, robots_error};
+pub use robot::{
+    MAX_TIPS, check_tip_names, frames_of_srdf, overrides, registered_tips, robot, robot_answer, robots_error,
+};
 pub use simulation::{metrics_answer, scenario};
 pub use stability::{NOT_COMPUTABLE, contact_loop, margin, margin_answer};
 pub use step::{

@@ -2,12 +2,12 @@
 
 use revprio_api::wire;
 use revprio_robot::{
-    ChainSelection, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, Tip, UrdfError, UrdfOptions,
-    UrdfTip, UrdfTreeOptions,
+    ChainSelection, EndEffector, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, Tip, UrdfError,
+    UrdfOptions, UrdfTip, UrdfTreeOptions,
 };
 
 use super::checks::{Inside, Result, check, check_name, each};
-use super::collisions::{shapes_answer, with_shapes};
+use super::collisions::{shapes_answer, srdf, with_shapes};
 use super::numbers::{MAX_JOINTS, check_numbers};
 use super::pose::pose;
 use super::terms;
@@ -21,6 +21,8 @@ pub const MAX_TIPS: usize = 32;
 pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let overrides = overrides(request)?;
     let (name, base) = (Some(&*request.name), request.base.as_deref());
+    let with_frames = frames_of_srdf(request)?;
+    let request = with_frames.as_ref().unwrap_or(request);
     let robot = if let Some(tips) = &request.tips {
         check(request.tip.is_none(), "/tip", "give either `tip` or `tips`")?;
         let tips = registered_tips(tips)?;
@@ -38,7 +40,27 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
     check(joints <= MAX_JOINTS, "/urdf", detail)?;
-    with_shapes(robot, request)
+    with_shapes(robot, request, None)
+}
+
+/// Returns the registration with the links of the end effectors of its SRDF text as tip or tips; `None` if it names some, or the text has
+/// none.
+pub fn frames_of_srdf(request: &wire::RobotRegistration) -> Result<Option<wire::RobotRegistration>> {
+    if request.tip.is_some() || request.tips.is_some() {
+        return Ok(None);
+    }
+    let mut links: Vec<String> = Vec::new();
+    for EndEffector { parent_link, .. } in srdf(request)?.end_effectors {
+        if !links.contains(&parent_link) {
+            links.push(parent_link);
+        }
+    }
+    let tip = |link: &String| wire::RegisteredTip { name: link.clone(), link: link.clone(), offset: None };
+    Ok(match links.as_slice() {
+        [] => None,
+        [only] => Some(wire::RobotRegistration { tip: Some(only.clone()), ..request.clone() }),
+        several => Some(wire::RobotRegistration { tips: Some(several.iter().map(tip).collect()), ..request.clone() }),
+    })
 }
 
 /// Checks that each name of a tip is a word, and that it names nothing else: tasks and planes would mean different things by it.

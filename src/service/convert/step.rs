@@ -10,9 +10,9 @@ use tokio::time::Instant;
 use super::arm::arm_view;
 use super::checks::{Result, check};
 use super::collisions::{obstacle_states, report_answer};
-use super::numbers::{check_numbers, joint_names, joint_vector, time};
+use super::numbers::{joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
-use super::{targets, terms};
+use super::{targets, terms, wrenches};
 use crate::service::constraint_names::ConstraintNames;
 use crate::service::error::ApiError;
 use crate::service::state_rules::StateRules;
@@ -42,21 +42,10 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
         time_s,
         joint_position: joint_vector(&state.joint_position, robot, "/joint_position")?,
         joint_velocity: state.joint_velocity.as_ref().map(|v| joint_vector(v, robot, "/joint_velocity")).transpose()?,
-        wrench: wrench(state.wrench.as_ref(), controller)?,
+        wrench: wrenches::tool(state, controller)?,
+        wrenches: wrenches::other_tips(state, controller)?,
         targets,
     })
-}
-
-fn wrench(wrench: Option<&wire::Wrench>, controller: &Controller) -> Result<[f64; 6]> {
-    let Some(wire::Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] }) = wrench.copied() else {
-        let Some(task) = controller.config().tasks.iter().find(|task| task.law.integrates()) else {
-            return Ok([0.0; 6]);
-        };
-        return Err(ApiError::invalid("/wrench", format!("the law of task `{}` needs the wrench", task.name)));
-    };
-    check_numbers(&[fx, fy, fz], "/wrench/force")?;
-    check_numbers(&[tx, ty, tz], "/wrench/torque")?;
-    Ok([fx, fy, fz, tx, ty, tz])
 }
 
 /// Converts the error of a step. Pointers begin at the state, except those to the memory.
@@ -67,6 +56,7 @@ pub fn step_error(error: &StepError) -> ApiError {
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::WrenchTip { .. } => "/wrenches",
         StepError::Target { .. } => "/targets",
         StepError::UnknownObstacle { index, .. } | StepError::ObstacleTwice { index, .. } => {
             return ApiError::invalid(format!("/obstacles/{index}/name"), error);

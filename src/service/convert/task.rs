@@ -5,12 +5,12 @@ use revprio_core::controller::TaskConfig;
 use revprio_core::law::{
     Braking, ForceLaw, GainError, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, PositionLawError, Profile,
 };
-use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
+use revprio_core::rows::{GazeRows, JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 
-use super::checks::{Inside, Missing, Result, check, each};
-use super::numbers::{inertia, joint_index, velocity_bounds};
+use super::checks::{Inside, Missing, Refused, Result, check, each};
+use super::numbers::{check_numbers, inertia, joint_index, velocity_bounds};
 use super::pose::{pose, task_body, task_frame};
 use super::profile::{PerRow, at_row};
 use super::resolve_task::{axis_selection, check_no_link, own_jacobian, scaled_bounds};
@@ -26,6 +26,14 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
             let joints = joint_indices(joints.as_deref(), target_position, robot);
             let law = |reader: &LawReader| reader.position(gain, max_acceleration.as_ref(), *braking, *path);
             joints.and_then(|joints| posture(joints, target_position, law)).inside("/law")?
+        }
+        Some(law @ wire::Law::LookAt { target_point, direction, .. }) => {
+            check_no_rows("look_at", task)?;
+            check(task.frame == wire::Frame::Base, "/frame", "the law `look_at` has no `frame`; give `link`")?;
+            let rows = gaze_rows(task, target_point, *direction, robot)?;
+            let rows = TaskRows::Gaze(rows);
+            let law = LawReader(PerRow { rows: rows.len() }).law(law).inside("/law")?;
+            (rows, law)
         }
         law => match (&task.axes, &task.jacobian) {
             (Some(axes), None) => tool_task(task, axes, law.as_ref(), robot)?,
@@ -55,6 +63,20 @@ fn tool_task(
         None => rows,
     };
     Ok((TaskRows::Tool(rows), reader.law_or_bounds(task, law)?))
+}
+
+/// Reads the line of sight of a task.
+fn gaze_rows(
+    task: &wire::ControllerTask,
+    target: &wire::Profile,
+    direction: [f64; 3],
+    robot: &RobotModel,
+) -> Result<GazeRows> {
+    let body = task_body(robot, task.link.as_deref(), task.relative_to.as_deref())?;
+    let frame = task_frame(body, &wire::Frame::Base, task.reference_point)?;
+    check_numbers(&direction, "/law/direction")?;
+    let target = LawReader(PerRow { rows: 3 }).profile(target, "/target_point").inside("/law")?;
+    GazeRows::new(body, frame.reference_point, direction.into(), target).at("/law/direction")
 }
 
 /// Reads a task of constant rows over the joints.
@@ -89,11 +111,8 @@ fn posture(
 
 /// Refuses the fields that a posture does not have.
 fn check_posture_fields(task: &wire::ControllerTask) -> Result<()> {
+    check_no_rows("posture", task)?;
     let given = [
-        ("axes", task.axes.is_some()),
-        ("jacobian", task.jacobian.is_some()),
-        ("lower", task.lower.is_some()),
-        ("upper", task.upper.is_some()),
         ("frame", task.frame != wire::Frame::Base),
         ("reference_point", task.reference_point.is_some()),
         ("link", task.link.is_some()),
@@ -101,6 +120,19 @@ fn check_posture_fields(task: &wire::ControllerTask) -> Result<()> {
     ];
     let Some((field, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
     let detail = format!("the law `posture` controls joints and has no `{field}`; select joints with `joints`");
+    Err(ApiError::invalid(format!("/{field}"), detail))
+}
+
+/// Refuses the fields that state rows, for a law that has its own.
+fn check_no_rows(law: &str, task: &wire::ControllerTask) -> Result<()> {
+    let given = [
+        ("axes", task.axes.is_some()),
+        ("jacobian", task.jacobian.is_some()),
+        ("lower", task.lower.is_some()),
+        ("upper", task.upper.is_some()),
+    ];
+    let Some((field, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
+    let detail = format!("the law `{law}` has rows of its own and no `{field}`");
     Err(ApiError::invalid(format!("/{field}"), detail))
 }
 
@@ -145,6 +177,10 @@ impl LawReader {
             wire::Law::Pose { gain, max_acceleration, braking, path, .. }
             | wire::Law::Posture { gain, max_acceleration, braking, path, .. } => {
                 self.position(gain, max_acceleration.as_ref(), *braking, *path)?
+            }
+            wire::Law::LookAt { gain, max_acceleration, braking, .. } => {
+                let max_acceleration = max_acceleration.map(PerAxis::All);
+                self.position(&PerAxis::All(*gain), max_acceleration.as_ref(), *braking, None)?
             }
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;

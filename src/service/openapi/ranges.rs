@@ -112,6 +112,7 @@ fn request_ranges() -> Vec<FieldRange> {
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
         wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
+        wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
         wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
         wire::Profile as wire::Profile::Ramp { duration_s: Between(1e-6, MAX_MAGNITUDE) }
         wire::Profile as wire::Profile::Steps { points: Items(1, MAX_POINTS) }

@@ -26,6 +26,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));
+    warnings.extend(uncovered_links(request, config));
     warnings.extend(of_first_step(request, config));
     Ok(warnings)
 }
@@ -48,6 +49,19 @@ fn missing_accelerations(config: &ControllerConfig) -> Option<String> {
         format!(
             "the limits `{name}` leave out the acceleration limits of `{}`: commands may jump from one speed to another, and a \
              drive may trip; use `position_velocity_acceleration` on an arm",
+            config.robot.name()
+        )
+    })
+}
+
+/// What no shape covers is not kept clear.
+fn uncovered_links(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
+    let uncovered = config.robot.collision().filter(|_| request.collisions.is_some())?.uncovered();
+    (!uncovered.is_empty()).then(|| {
+        format!(
+            "no shape covers the links `{}` of `{}`: nothing keeps them clear; cover them by `shape_list` of the robot, on the link \
+             that carries them",
+            uncovered.join("`, `"),
             config.robot.name()
         )
     })

@@ -41,6 +41,7 @@ pub fn check(service: &TimedService, input: &[u8]) -> Result<(), Defect> {
 /// A state at the middle of the ranges of most arms.
 fn default_state(joints: usize) -> State {
     State {
+        wrenches: BTreeMap::new(),
         obstacles: Vec::new(),
         sequence: 1,
         time_s: 0.0,

@@ -59,6 +59,11 @@ pub fn obstacles(py: Python<'_>, json: &[u8]) -> PyResult<Vec<ObstacleState>> {
     serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/obstacles", error)))
 }
 
+/// Reads the wrenches of tips in JSON.
+pub fn wrenches(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, Wrench>> {
+    serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/wrenches", error)))
+}
+
 /// Converts with `numpy.asarray`.
 fn floats(value: &Bound<'_, PyAny>, pointer: &str) -> PyResult<Vec<f64>> {
     static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();

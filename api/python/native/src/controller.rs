@@ -81,6 +81,9 @@ impl Controller {
     }
 }
 
+/// What arrived with a state: targets, obstacles and wrenches, in JSON.
+type Arrived<'py> = (Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>);
+
 #[pymethods]
 impl Controller {
     /// Names of the joints, in order.
@@ -95,7 +98,7 @@ impl Controller {
         Ok(self.lock()?.warnings().to_vec())
     }
 
-    /// Runs one control period. `arrived`: new targets by task name, and where obstacles are, in JSON. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
+    /// Runs one control period. `arrived`: new targets by task name, where obstacles are, and the wrenches of other tips than the tool, in JSON. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
     #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, arrived, /))]
     fn step<'py>(
         &self,
@@ -104,11 +107,11 @@ impl Controller {
         joint_position: &Bound<'py, PyAny>,
         joint_velocity: Option<&Bound<'py, PyAny>>,
         wrench: Option<&Bound<'py, PyAny>>,
-        arrived: (Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>),
+        arrived: Arrived<'py>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let py = joint_position.py();
         let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
-        let (targets, obstacles) = arrived;
+        let (targets, obstacles, wrenches) = arrived;
         let state = wire::State {
             sequence,
             time_s: arguments::time(time_s)?,
@@ -117,6 +120,7 @@ impl Controller {
             wrench: wrench.map(arguments::wrench).transpose()?,
             targets: targets.map(|json| arguments::targets(py, json.as_bytes())).transpose()?.unwrap_or_default(),
             obstacles: obstacles.map(|json| arguments::obstacles(py, json.as_bytes())).transpose()?.unwrap_or_default(),
+            wrenches: wrenches.map(|json| arguments::wrenches(py, json.as_bytes())).transpose()?.unwrap_or_default(),
         };
         let answer = without_lock(py, || Ok::<_, Forked>(self.lock()?.step(&state)))?;
         let answer = answer.map_err(|error| refused(py, error))?;

@@ -251,9 +251,12 @@ class AsyncController(ABC):
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
+        wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
-        state = self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets, obstacles)
+        state = self._numbering.state(
+            joint_position, joint_velocity, wrench, time_s, targets=targets, obstacles=obstacles, wrenches=wrenches
+        )
         return await self.step_state(state)
 
     @abstractmethod

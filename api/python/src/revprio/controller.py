@@ -50,7 +50,7 @@ class Controller:
         """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
         return self._native.warnings
 
-    def step(
+    def step(  # noqa: PLR0913 - the parts of a state, by name
         self,
         joint_position: JointVector,
         *,
@@ -59,6 +59,7 @@ class Controller:
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
+        wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
     ) -> StepAnswer:
         """Runs one control period.
 
@@ -68,6 +69,7 @@ class Controller:
         `time_s`: time t of the set-point profiles, s; default: the sequence number times the period.
         `targets`: new targets by task name, as in teleoperation; default: none. The service interpolates between them.
         `obstacles`: where the moving obstacles of the controller are; each must be named. Default: none.
+        `wrenches`: those of other tips than the tool, by the name of the tip. Default: none.
 
         Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
         `Watchdog`. With a service: if an answer is lost, the client sends the state again with the same sequence
@@ -80,8 +82,9 @@ class Controller:
             time_s = sequence * self.period_s
         sent = None if targets is None else native.targets_json(targets)
         moved = None if obstacles is None else native.obstacles_json(obstacles)
+        others = None if wrenches is None else native.wrenches_json(wrenches)
         try:
-            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, (sent, moved))
+            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, (sent, moved, others))
         except RefusedError as refusal:
             raise native.problem(refusal) from None
         answer = new(LazyStepAnswer)
@@ -112,6 +115,7 @@ class Controller:
             time_s=state.time_s,
             targets=state.targets,
             obstacles=state.obstacles,
+            wrenches=state.wrenches,
         )
 
     def __reduce__(self) -> str:

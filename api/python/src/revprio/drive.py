@@ -31,6 +31,8 @@ class Measurement:
     one waits for its answer, and the service ignores a repeated target."""
     obstacles: Sequence[ObstacleState] | None = None
     """Where the moving obstacles of the controller are."""
+    wrenches: Mapping[str, Wrench | ArrayLike] | None = None
+    """The wrenches of other tips than the tool, by the name of the tip."""
 
 
 def drive(

@@ -93,6 +93,7 @@ __all__ = [
     "LinkShape",
     "LiveFrame",
     "LiveSample",
+    "LookAtLaw",
     "Memory",
     "Method",
     "MotionPath",
@@ -143,6 +144,7 @@ __all__ = [
     "SessionEntry",
     "SessionList",
     "SessionStatus",
+    "ShapeSource",
     "Side",
     "Simulation",
     "SimulationControl",
@@ -1622,6 +1624,38 @@ class PostureLaw(Tagged):
     ahead."""
 
 
+class LookAtLaw(Tagged):
+    """Turning a direction of the tool, or of a link, towards a point, as a camera looks at a part: two rows, which
+    reduce the angle at the rate f K. The task has no `axes`; its `link` looks from its `reference_point`.
+
+    Fields:
+
+    - gain: Gain K, 1/s: within 1/K seconds the angle decreases to 37 %. 1 to 5 suits most arms.
+    - kind: Selects the variant.
+    - target_point: The point p over time, m, in the base frame or in that of `relative_to`.
+    - braking: Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default
+      `true`.
+    - direction: The direction that looks, in the frame of the tool or of the link, of any length but zero; default:
+      z.
+    - max_acceleration: Maximum acceleration with which the law brakes, rad/s², in addition to the limits of the
+      joints; default: those limits alone.
+    """
+
+    gain: float
+    """Gain K, 1/s: within 1/K seconds the angle decreases to 37 %. 1 to 5 suits most arms."""
+    kind: Literal["look_at"] = "look_at"
+    """Selects the variant."""
+    target_point: Profile
+    """The point p over time, m, in the base frame or in that of `relative_to`."""
+    braking: bool | None = None
+    """Whether the law brakes before its target; `false`: the bare gain, which may pass the target; default `true`."""
+    direction: Vector | None = None
+    """The direction that looks, in the frame of the tool or of the link, of any length but zero; default: z."""
+    max_acceleration: float | None = None
+    """Maximum acceleration with which the law brakes, rad/s², in addition to the limits of the joints; default: those
+    limits alone."""
+
+
 class ForceLaw(Tagged):
     """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
 
@@ -1728,7 +1762,9 @@ class HybridLaw(Tagged):
     """Target pose X_d. Set it to move the tool there; default `initial`, which holds the pose of the first step."""
 
 
-Law = Annotated[VelocityLaw | PoseLaw | PostureLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")]
+Law = Annotated[
+    VelocityLaw | PoseLaw | PostureLaw | LookAtLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")
+]
 """The law that computes the velocity of a task."""
 
 
@@ -2366,13 +2402,13 @@ class LeftOutPair(Answer):
     Fields:
 
     - links: The links.
-    - reason: `neighbours`, `always_touch`, or what was stated.
+    - reason: `neighbours`, `always_touch`, `stated`, or the reason in the SRDF text.
     """
 
     links: list[str]
     """The links."""
     reason: str
-    """`neighbours`, `always_touch`, or what was stated."""
+    """`neighbours`, `always_touch`, `stated`, or the reason in the SRDF text."""
 
 
 class Line(Body):
@@ -3133,6 +3169,8 @@ class RobotShapes(Answer):
     - left_out: Pairs of links that are not watched, with the reasons.
     - shape_list: Shapes.
     - watched_pairs: Number of pairs of shapes that keep clear of each other.
+    - uncovered_links: Links of the text that have a form which no shape covers: fingers beyond the tip of an arm,
+      or links without `<collision>`. Nothing keeps them clear. Known for `shapes` only.
     """
 
     left_out: list[LeftOutPair]
@@ -3141,6 +3179,9 @@ class RobotShapes(Answer):
     """Shapes."""
     watched_pairs: int
     """Number of pairs of shapes that keep clear of each other."""
+    uncovered_links: list[str] = Field(default_factory=list)
+    """Links of the text that have a form which no shape covers: fingers beyond the tip of an arm, or links without
+    `<collision>`. Nothing keeps them clear. Known for `shapes` only."""
 
 
 class RobotTip(Answer):
@@ -3224,6 +3265,10 @@ class StatedLimits(Body):
     """Maximum speed, rad/s or m/s."""
 
 
+ShapeSource = Literal["fit"]
+"""From where a robot has its shapes."""
+
+
 class RobotRegistration(Body):
     """`POST /v1/robots`: registers the chain of a URDF text from one link to another.
 
@@ -3236,6 +3281,11 @@ class RobotRegistration(Body):
     - joint_names: New names, by the name of the joint in the text.
     - limits: Limits that replace or complete those of the text, by the name of the joint in the text.
     - shape_list: Shapes that cover the links, so that controllers can keep clear; default: none.
+    - shapes: `fit`: capsules that contain the `<collision>` elements of the text cover the links. Links of
+      `shape_list` have those instead. Default: only `shape_list` counts.
+    - srdf: SRDF text, the semantic description that belongs to the URDF text. Its `<disable_collisions>` pairs are
+      not watched. If neither `tip` nor `tips` is given, the links of its `<end_effector>` elements are the tips:
+      several make a robot with several arms.
     - tip: Link of the tool frame; default: the end of the only chain or of the only arm, without gripper.
     - tips: Tips of a robot with several arms, first the tool; then the robot is all that is below the base. Set it
       for two arms, a torso or a mobile base; instead of `tip`.
@@ -3256,6 +3306,13 @@ class RobotRegistration(Body):
     """Limits that replace or complete those of the text, by the name of the joint in the text."""
     shape_list: list[LinkShape] | None = None
     """Shapes that cover the links, so that controllers can keep clear; default: none."""
+    shapes: ShapeSource | None = None
+    """`fit`: capsules that contain the `<collision>` elements of the text cover the links. Links of `shape_list` have
+    those instead. Default: only `shape_list` counts."""
+    srdf: str | None = None
+    """SRDF text, the semantic description that belongs to the URDF text. Its `<disable_collisions>` pairs are not
+    watched. If neither `tip` nor `tips` is given, the links of its `<end_effector>` elements are the tips: several make
+    a robot with several arms."""
     tip: str | None = None
     """Link of the tool frame; default: the end of the only chain or of the only arm, without gripper."""
     tips: list[RegisteredTip] | None = None
@@ -3568,7 +3625,7 @@ class StabilityRequest(Body):
 
 
 class Wrench(Body):
-    """Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
+    """Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
 
     Fields:
 
@@ -3599,6 +3656,9 @@ class State(Body):
       task interpolates or extrapolates, as its `streaming` says.
     - wrench: Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and
       `hybrid`.
+    - wrenches: Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what
+      the tip carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of
+      `wrench_frame`: of the base, or of the tip itself. Default: none.
     """
 
     joint_position: JointVector
@@ -3619,6 +3679,10 @@ class State(Body):
     interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
     """Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`."""
+    wrenches: dict[str, Wrench] | None = None
+    """Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip
+    carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of `wrench_frame`: of the
+    base, or of the tip itself. Default: none."""
 
 
 class StuckTask(Answer):

@@ -10,9 +10,10 @@ from typing import Any, SupportsIndex
 from pydantic import BaseModel
 
 from revprio import _native
-from revprio.bodies import Body
+from revprio.bodies import ArrayLike, Body
 from revprio.errors import ProblemError, problem_error
-from revprio.models import ObstacleState, Problem, ResolveAnswer, StepAnswer, StreamedTarget
+from revprio.models import ObstacleState, Problem, ResolveAnswer, StepAnswer, StreamedTarget, Wrench
+from revprio.states import as_wrenches
 
 DICT = BaseModel.__dict__["__dict__"]
 """The attribute that holds the fields of a model."""
@@ -76,6 +77,12 @@ def obstacles_json(obstacles: Sequence[ObstacleState]) -> bytes:
     """Returns the JSON of the obstacles of a state."""
     each = Obstacles(obstacles=list(obstacles)).obstacles
     return b"[" + b",".join(obstacle.json_bytes() for obstacle in each) + b"]"
+
+
+def wrenches_json(wrenches: Mapping[str, Wrench | ArrayLike]) -> bytes:
+    """Returns the JSON of the wrenches of a state."""
+    each = as_wrenches(wrenches).items()
+    return b"{" + b",".join(json.dumps(tip).encode() + b":" + wrench.json_bytes() for tip, wrench in each) + b"}"
 
 
 def call(method: str, path: str, body: bytes) -> bytes:

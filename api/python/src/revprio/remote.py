@@ -41,7 +41,7 @@ class RemoteController(Controller):
         self.period_s = config.period_s
         self._numbering = numbering or StateNumbering(config.period_s)
 
-    def step(
+    def step(  # noqa: PLR0913 - the parts of a state, by name
         self,
         joint_position: JointVector,
         *,
@@ -50,9 +50,12 @@ class RemoteController(Controller):
         time_s: float | None = None,
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
+        wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
-        state = self._numbering.state(joint_position, joint_velocity, wrench, time_s, targets, obstacles)
+        state = self._numbering.state(
+            joint_position, joint_velocity, wrench, time_s, targets=targets, obstacles=obstacles, wrenches=wrenches
+        )
         return self.step_state(state)
 
     @abstractmethod

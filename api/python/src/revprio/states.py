@@ -19,14 +19,16 @@ class StateNumbering:
         self.period_s = period_s
         self._next = 0
 
-    def state(
+    def state(  # noqa: PLR0913 - the parts of a state, by name
         self,
         joint_position: JointVector,
         joint_velocity: JointVector | None,
         wrench: Wrench | ArrayLike | None,
         time_s: float | None,
+        *,
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
+        wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
     ) -> State:
         """Returns the next state, without arguments that are `None`. Default of `time_s`: sequence number times T."""
         sequence = self._next
@@ -35,6 +37,7 @@ class StateNumbering:
             "wrench": wrench if wrench is None else as_wrench(wrench),
             "targets": dict(targets) if targets else None,
             "obstacles": list(obstacles) if obstacles else None,
+            "wrenches": as_wrenches(wrenches) if wrenches else None,
         }
         state = State(
             sequence=sequence,
@@ -46,7 +49,12 @@ class StateNumbering:
         return state
 
 
-def as_wrench(wrench: Wrench | ArrayLike) -> Wrench:
+def as_wrenches(wrenches: Mapping[str, Wrench | ArrayLike]) -> dict[str, Wrench]:
+    """Converts six numbers for each tip to a `Wrench`."""
+    return {tip: as_wrench(wrench, f"/wrenches/{tip}") for tip, wrench in wrenches.items()}
+
+
+def as_wrench(wrench: Wrench | ArrayLike, pointer: str = "/wrench") -> Wrench:
     """Converts six numbers (force x, y, z in N, then torque x, y, z in N·m) to a `Wrench`."""
     if isinstance(wrench, Wrench):
         return wrench
@@ -57,5 +65,5 @@ def as_wrench(wrench: Wrench | ArrayLike) -> Wrench:
     if six.shape != (6,):
         detail = "give six numbers: force x, y, z in N, then torque x, y, z in N·m"
         problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=detail)
-        raise InvalidError(problem.model_copy(update={"pointer": "/wrench"}))
+        raise InvalidError(problem.model_copy(update={"pointer": pointer}))
     return Wrench(force=six[:3], torque=six[3:])

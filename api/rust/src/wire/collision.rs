@@ -112,6 +112,14 @@ pub struct LinkShape {
     pub sphere: Option<Sphere>,
 }
 
+/// From where a robot has its shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeSource {
+    /// From the `<collision>` elements of its text. Meshes are files, which a request does not have: `revprio robots fit` reads them.
+    Fit,
+}
+
 /// Pairs of links of which nothing is watched.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -131,6 +139,11 @@ pub struct RobotShapes {
     pub watched_pairs: usize,
     /// Pairs of links that are not watched, with the reasons.
     pub left_out: Vec<LeftOutPair>,
+    /// Links of the text that have a form which no shape covers: fingers beyond the tip of an arm, or links without `<collision>`. Nothing
+    /// keeps them clear. Known for `shapes` only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["left_finger"]))]
+    pub uncovered_links: Vec<String>,
 }
 
 /// A pair of links that is not watched.
@@ -138,7 +151,7 @@ pub struct RobotShapes {
 pub struct LeftOutPair {
     /// The links.
     pub links: [String; 2],
-    /// `neighbours`, `always_touch`, or what was stated.
+    /// `neighbours`, `always_touch`, `stated`, or the reason in the SRDF text.
     #[schema(example = "neighbours")]
     pub reason: String,
 }

@@ -7,7 +7,6 @@ use utoipa::ToSchema;
 
 use super::{
     Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, StreamedTarget, integer, object,
-    streaming,
 };
 
 /// `POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
@@ -29,7 +28,7 @@ pub struct SimulationControl {
     pub external_force: Option<[f64; 3]>,
     /// New targets by task name, without `time_s`: part of the next state. Between targets the task interpolates or
     /// extrapolates, as its `streaming` says.
-    #[serde(deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"push x": {"force": [25]}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
     /// New resolution method. The change is blended over 0.1 s of simulated time.

@@ -36,7 +36,7 @@ mod virtual_arm;
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
 pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
-    ObstacleState, PairDistance, RobotShapes, RoomObstacle, Sphere,
+    ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};

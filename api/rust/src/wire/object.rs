@@ -3,10 +3,11 @@
 //! By default serde also accepts a list of the field values of a struct. A list is ambiguous for a quaternion, which
 //! some programs write as [w, x, y, z] and others as [x, y, z, w]. So these functions refuse it.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{MapAccess, Visitor};
+use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::string_tags;
@@ -41,6 +42,32 @@ pub fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
 ) -> Result<Option<Vec<T>>, D::Error> {
     let list: Option<Vec<Object<T>>> = Option::deserialize(deserializer)?;
     Ok(list.map(|list| list.into_iter().map(|Object(value)| value).collect()))
+}
+
+/// Reads objects by name. Refuses a name that is given twice.
+pub fn map<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<BTreeMap<String, T>, D::Error> {
+    deserializer.deserialize_map(MapVisitor(PhantomData))
+}
+
+struct MapVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for MapVisitor<T> {
+    type Value = BTreeMap<String, T>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("an object with one object per name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut values = BTreeMap::new();
+        while let Some((name, Object(value))) = map.next_entry::<String, Object<T>>()? {
+            if values.contains_key(&name) {
+                return Err(A::Error::custom(format!("`{name}` is given twice")));
+            }
+            values.insert(name, value);
+        }
+        Ok(values)
+    }
 }
 
 struct ObjectVisitor<T>(PhantomData<T>);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{CollisionPairs, JointKind, LinkShape, Pose, RobotShapes, object};
+use super::{CollisionPairs, JointKind, LinkShape, Pose, RobotShapes, ShapeSource, object};
 
 /// Answer to `GET /v1/robots`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -41,6 +41,15 @@ pub struct RobotRegistration {
     /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_offset: Option<Pose>,
+    /// SRDF text, the semantic description that belongs to the URDF text. Its `<disable_collisions>` pairs are not watched. If neither `tip`
+    /// nor `tips` is given, the links of its `<end_effector>` elements are the tips: several make a robot with several arms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = "<robot name='arm'><disable_collisions link1='base' link2='tool' reason='Never'/></robot>")]
+    pub srdf: Option<String>,
+    /// `fit`: capsules that contain the `<collision>` elements of the text cover the links. Links of `shape_list` have those instead.
+    /// Default: only `shape_list` counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shapes: Option<ShapeSource>,
     /// Shapes that cover the links, so that controllers can keep clear; default: none.
     #[serde(default, deserialize_with = "object::optional_list", skip_serializing_if = "Option::is_none")]
     pub shape_list: Option<Vec<LinkShape>>,

@@ -10,7 +10,7 @@ use super::{
     Pose, Side, Singularity, SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality,
     ViolatedLimit, VirtualArm,
 };
-use super::{integer, object, streaming};
+use super::{integer, object};
 
 /// The measured state of one control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -32,9 +32,15 @@ pub struct State {
     /// Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
+    /// Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries; required by
+    /// the same laws of tasks whose `link` is such a tip. Axes are those of `wrench_frame`: of the base, or of the tip itself.
+    /// Default: none.
+    #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"right": {"force": [0, 0, 5], "torque": [0, 0, 0]}}))]
+    pub wrenches: BTreeMap<String, Wrench>,
     /// New targets by task name, if any arrived since the last state; default: none. Between targets the task
     /// interpolates or extrapolates, as its `streaming` says.
-    #[serde(default, deserialize_with = "streaming::targets", skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"hand": {"time_s": 0.95, "pose": {"position": [0.6, 0.1, 0.4]}}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
     /// Where the moving obstacles of the controller are; each must be named. Default: none.
@@ -42,7 +48,7 @@ pub struct State {
     pub obstacles: Vec<ObstacleState>,
 }
 
-/// Force and torque at the tool point, along the axes of the controller's `wrench_frame`.
+/// Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wrench {

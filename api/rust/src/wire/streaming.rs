@@ -1,13 +1,9 @@
 //! Streamed targets: targets that come with the states, as in teleoperation.
 
-use std::collections::BTreeMap;
-use std::fmt;
-
-use serde::de::{Error, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::object::{self, Object};
+use super::object;
 use super::{JointVector, Orientation, PerAxis, Pose};
 
 /// How a task follows streamed targets. The defaults suit 30 to 90 targets per second.
@@ -200,32 +196,6 @@ pub struct TargetReference {
     pub velocity: Vec<f64>,
 }
 
-/// Reads targets by task name. Refuses a name that is given twice.
-pub fn targets<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, StreamedTarget>, D::Error> {
-    deserializer.deserialize_map(TargetsVisitor)
-}
-
-struct TargetsVisitor;
-
-impl<'de> Visitor<'de> for TargetsVisitor {
-    type Value = BTreeMap<String, StreamedTarget>;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("an object with one target per task name")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut targets = BTreeMap::new();
-        while let Some((name, Object(target))) = map.next_entry::<String, Object<StreamedTarget>>()? {
-            if targets.contains_key(&name) {
-                return Err(A::Error::custom(format!("a target for task `{name}` is given twice")));
-            }
-            targets.insert(name, target);
-        }
-        Ok(targets)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use crate::wire::State;
@@ -248,6 +218,6 @@ mod tests {
     fn a_repeated_task_and_other_types_are_refused() {
         assert!(state(r#"{"a": {"force": [1]}, "a": {"force": [2]}}"#).unwrap_err().contains("given twice"));
         assert!(state(r#"{"a": [1]}"#).is_err());
-        assert!(state("[]").unwrap_err().contains("one target per task name"));
+        assert!(state("[]").unwrap_err().contains("an object"));
     }
 }

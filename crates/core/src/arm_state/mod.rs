@@ -33,8 +33,8 @@ pub(crate) struct ArmState {
     pub joint_velocity: Vec<f64>,
     /// Ẋ = J q̇, base axes, at the tool point, m/s and rad/s.
     pub twist: [f64; 6],
-    /// F_e on the environment, base axes, at the tool point, N and N·m.
-    pub wrench: [f64; 6],
+    /// F_e of each tip on the environment, base axes, at the tip, N and N·m; the first one is that of the tool.
+    pub wrenches: Vec<[f64; 6]>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
     /// L + D T, the time for which the arm goes to rest at a constant velocity, s.
@@ -97,7 +97,7 @@ impl ArmState {
             profiles_start_s: 0.0,
             joint_velocity: zeros.clone(),
             twist: [0.0; 6],
-            wrench: [0.0; 6],
+            wrenches: vec![[0.0; 6]; robot.tips().len()],
             initial_pose: *measured.tool_pose(),
             time_to_rest,
             distance_to_rest: zeros.clone(),

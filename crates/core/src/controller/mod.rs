@@ -21,7 +21,7 @@
 //! let controller = Controller::new(ControllerConfig::new(built_in()[0].clone(), 0.001, vec![push]))?;
 //! let mut stepper = Stepper::new(controller)?;
 //!
-//! let measured = Measurement { obstacles: Vec::new(),
+//! let measured = Measurement { obstacles: Vec::new(), wrenches: Vec::new(),
 //!     time_s: 0.0,
 //!     joint_position: vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2],
 //!     joint_velocity: None,
@@ -53,7 +53,7 @@ pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, Sta
 pub use state::{
     AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, LINE_INTERVALS, Line, Measurement, Memory,
     MemoryError, Obstacle, Progress, RestState, Stall, StalledJoint, StepError, StuckTask, TIMES_AHEAD, TaskGain,
-    TaskTarget, VirtualArm,
+    TaskTarget, TipWrench, VirtualArm,
 };
 pub use stepper::Stepper;
 pub use transition::TransitionError;

@@ -83,22 +83,21 @@ impl ToolRows {
         }
     }
 
-    /// Returns F_e, m. The wrench is measured at the tool: no law of another body reads it.
+    /// Returns F_e, m. Wrenches are measured at tips: no law of another body reads one.
     fn force(&self, arm: &ArmState, placed: &PlacedFrame) -> TaskVector {
-        if self.frame.body.is_some() {
-            TaskVector::zeros(self.axes.len())
-        } else {
-            self.select(&placed.wrench(&arm.wrench))
+        match self.frame.tip(&arm.robot) {
+            Some(tip) => self.select(&placed.wrench(&arm.wrenches[tip])),
+            None => TaskVector::zeros(self.axes.len()),
         }
     }
 
-    /// Checks that the robot has the links of the body, and that the law reads no wrench of a body that is not the tool.
+    /// Checks that the robot has the links of the body, and that the law reads no wrench of a body that is no tip.
     pub(super) fn check_body(&self, robot: &RobotModel, law: &Law) -> Result<(), RowsError> {
         let Some(body) = &self.frame.body else { return Ok(()) };
         if body.last_link().index() >= robot.links().len() {
             return Err(RowsError::Link);
         }
-        if law.integrates() { Err(RowsError::LinkLaw) } else { Ok(()) }
+        if law.integrates() && self.frame.tip(robot).is_none() { Err(RowsError::LinkLaw) } else { Ok(()) }
     }
 
     /// Returns whether the axis of a row is linear or angular.

@@ -4,6 +4,7 @@
 //! reads. Their number never changes. So a controller allocates the block of each task once, and each period overwrites it.
 
 mod frame;
+mod gaze;
 mod joints;
 mod kind;
 mod raw;
@@ -14,6 +15,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Frame, TaskFrame};
 
 pub use frame::{TargetPose, ToolRows};
+pub use gaze::GazeRows;
 pub(crate) use joints::mid_range_rate;
 pub use joints::{JointRows, JointTarget};
 pub(crate) use kind::RowKind;
@@ -27,7 +29,6 @@ use crate::streaming::{ActiveStream, Quantity, Reference, StreamedTarget, Stream
 
 /// The rows of a task.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a few per controller, made once")]
 pub enum TaskRows {
     /// Axes of the tool.
     Tool(ToolRows),
@@ -35,6 +36,8 @@ pub enum TaskRows {
     Joints(JointRows),
     /// Constant rows over the joints.
     Raw(RawRows),
+    /// A direction that looks at a point.
+    Gaze(GazeRows),
 }
 
 impl TaskRows {
@@ -42,13 +45,17 @@ impl TaskRows {
     pub fn fixed_frame(&self) -> Option<&IsometryMatrix3<f64>> {
         match self {
             Self::Tool(ToolRows { frame: TaskFrame { frame: Frame::Fixed(frame), .. }, .. }) => Some(frame),
-            Self::Tool(_) | Self::Joints(_) | Self::Raw(_) => None,
+            Self::Tool(_) | Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => None,
         }
     }
 
     /// Returns whether the rows move another body than the tool, or see it from another link than the base.
     pub fn has_body(&self) -> bool {
-        matches!(self, Self::Tool(rows) if rows.frame.body.is_some())
+        match self {
+            Self::Tool(rows) => rows.frame.body.is_some(),
+            Self::Gaze(rows) => rows.has_body(),
+            Self::Joints(_) | Self::Raw(_) => false,
+        }
     }
 
     /// Returns m, the number of rows.
@@ -58,6 +65,7 @@ impl TaskRows {
             Self::Tool(rows) => rows.axes.len(),
             Self::Joints(rows) => rows.joints.len(),
             Self::Raw(rows) => rows.jacobian.nrows(),
+            Self::Gaze(_) => GazeRows::count(),
         }
     }
 
@@ -71,6 +79,7 @@ impl TaskRows {
             }
             Self::Joints(rows) => rows.check(robot, law),
             Self::Raw(rows) => rows.check(robot, law),
+            Self::Gaze(rows) => rows.check(robot, law),
         }
     }
 
@@ -79,7 +88,7 @@ impl TaskRows {
     pub(crate) fn joint(&self, robot: &RobotModel, row: usize) -> Option<(usize, f64)> {
         match self {
             Self::Joints(rows) => Some((rows.joints[row], rows.rate(robot, rows.joints[row]))),
-            Self::Tool(_) | Self::Raw(_) => None,
+            Self::Tool(_) | Self::Raw(_) | Self::Gaze(_) => None,
         }
     }
 
@@ -87,7 +96,7 @@ impl TaskRows {
     pub fn joints(&self) -> &[usize] {
         match self {
             Self::Joints(rows) => &rows.joints,
-            Self::Tool(_) | Self::Raw(_) => &[],
+            Self::Tool(_) | Self::Raw(_) | Self::Gaze(_) => &[],
         }
     }
 
@@ -107,6 +116,7 @@ impl TaskRows {
             Self::Tool(rows) => rows.kind(row),
             Self::Joints(rows) => RowKind::Joint(&robot.joints()[rows.joints[row]]),
             Self::Raw(_) => RowKind::Raw,
+            Self::Gaze(_) => RowKind::Angular,
         }
     }
 
@@ -121,6 +131,7 @@ impl TaskRows {
             Self::Tool(rows) => rows.write_jacobian(at, jacobian),
             Self::Joints(rows) => rows.write_jacobian(jacobian),
             Self::Raw(rows) => jacobian.copy_from(&rows.jacobian),
+            Self::Gaze(rows) => rows.write_jacobian(at, jacobian),
         }
     }
 
@@ -130,6 +141,7 @@ impl TaskRows {
             Self::Tool(rows) => rows.velocity(at),
             Self::Joints(rows) => rows.select(&at.arm.joint_velocity),
             Self::Raw(rows) => rows.velocity(&at.arm.joint_velocity),
+            Self::Gaze(rows) => rows.velocity(at),
         }
     }
 
@@ -140,6 +152,7 @@ impl TaskRows {
             Self::Tool(rows) => rows.state(velocity, at, position),
             Self::Joints(rows) => rows.state(velocity, at, position),
             Self::Raw(_) => RawRows::state(velocity, at.arm.profile_time(at.time_s)),
+            Self::Gaze(rows) => rows.state(velocity, at),
         }
     }
 
@@ -148,7 +161,7 @@ impl TaskRows {
         match self {
             Self::Tool(_) => Some(Quantity::Pose),
             Self::Joints(rows) => rows.has_position_target().then_some(Quantity::JointPosition),
-            Self::Raw(_) => None,
+            Self::Raw(_) | Self::Gaze(_) => None,
         }
     }
 
@@ -158,6 +171,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.target_displacement.as_ref().is_some_and(moves),
             Self::Joints(JointRows { target: JointTarget::Position(profile), .. }) => moves(profile),
+            Self::Gaze(rows) => moves(rows.target()),
             Self::Joints(_) | Self::Raw(_) => false,
         }
     }
@@ -183,6 +197,8 @@ impl TaskRows {
             (Some(active), _) => target.copy_from(&active.stream.reference.value),
             (None, Self::Tool(rows)) => *target = rows.own_reference(at.arm).value,
             (None, Self::Joints(rows)) => rows.write_target(at, displacement, target),
+            // The angle to the line of sight is zero at the target.
+            (None, Self::Gaze(_)) => *target = TargetValue::Rows(TaskVector::zeros(self.len())),
             // A position law has no raw rows.
             (None, Self::Raw(_)) => {}
         }
@@ -193,7 +209,7 @@ impl TaskRows {
         match self {
             Self::Tool(rows) => rows.actual(velocity, at),
             Self::Joints(rows) => rows.actual(velocity, at),
-            Self::Raw(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
+            Self::Raw(_) | Self::Gaze(_) => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
         }
     }
 
@@ -202,7 +218,7 @@ impl TaskRows {
         let value = self.target_value(&given.value, at);
         let velocity = given.velocity.as_ref().map(|velocity| match self {
             Self::Tool(rows) => rows.target_velocity(velocity, &value),
-            Self::Joints(_) | Self::Raw(_) => TaskVector::from_slice(velocity),
+            Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => TaskVector::from_slice(velocity),
         });
         (value, velocity)
     }

@@ -17,13 +17,19 @@ pub enum RowsError {
     /// A law that reads positions or the wrench is set on constant rows.
     #[error("constant rows can have the law velocity, or bounds, only")]
     RawLaw,
+    /// A law that reads the wrench is set on a line of sight.
+    #[error("a line of sight can have the laws velocity and position, or bounds, only")]
+    GazeLaw,
+    /// The direction that looks has length zero.
+    #[error("the direction that looks has length zero")]
+    Direction,
     /// The robot has no such link.
     #[error("the robot has no such link")]
     Link,
-    /// A law that reads the wrench is set on a body that is not the tool.
+    /// A law that reads the wrench is set on a body that is no tip.
     #[error(
-        "the wrench is measured at the tool; a task of another link, or seen from one, can have the laws `pose` and `velocity`, or \
-         bounds, only"
+        "wrenches are measured at tips; a task of another link, or one that is seen from a link, can have the laws `pose` and \
+         `velocity`, or bounds, only"
     )]
     LinkLaw,
     /// Constant rows do not fit the robot or are not finite.

@@ -131,6 +131,7 @@ pub fn controller(config: ControllerConfig) -> Controller {
 
 pub fn measurement(joint_position: &[f64]) -> Measurement {
     Measurement {
+        wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,
         joint_position: joint_position.to_vec(),

@@ -84,7 +84,9 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         TaskRows::Tool(rows) => {
             Vector::from_iterator(rows.axes.len(), rows.axes.axes().iter().map(|axis| twist[axis.index()]))
         }
-        TaskRows::Joints(_) | TaskRows::Raw(_) => unreachable!("the hostile controller has tasks of the tool only"),
+        TaskRows::Joints(_) | TaskRows::Raw(_) | TaskRows::Gaze(_) => {
+            unreachable!("the hostile controller has tasks of the tool only")
+        }
     };
     let last_command = arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone());
     Memory {

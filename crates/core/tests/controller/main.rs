@@ -12,6 +12,7 @@ mod drives;
 mod fast_targets;
 mod frames;
 mod free_space;
+mod gaze;
 mod hold;
 mod jerk;
 mod late_states;

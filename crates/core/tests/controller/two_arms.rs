@@ -5,14 +5,15 @@ use std::sync::Arc;
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::constraint::{Constraint, PlanePoint, VirtualPlane};
 use revprio_core::controller::{
-    ConfigError, Controller, ControllerConfig, Measurement, Stepper, TaskConfig, TaskConfigError,
+    ConfigError, Controller, ControllerConfig, Measurement, StepError, Stepper, TaskConfig, TaskConfigError, TipWrench,
+    WrenchConvention, WrenchFrame,
 };
 use revprio_core::law::{Law, MotionPath, PositionLaw, Profile};
 use revprio_core::limits::Drive;
 use revprio_core::rows::{RowsError, TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{
-    Axis, AxisSelection, BodyFrame, Configuration, TaskBody, TaskFrame, orientation_error,
+    Axis, AxisSelection, BodyFrame, Configuration, Frame, TaskBody, TaskFrame, orientation_error,
 };
 use revprio_robot::{RobotModel, UrdfTip, UrdfTreeOptions};
 
@@ -26,8 +27,13 @@ const DRIVE: Drive = Drive { lag_s: 0.02, delay_periods: 2 };
 
 const HOME: [f64; 14] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785, 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
-/// Returns two Pandas, 0.6 m apart, that look in the same direction. Their hands are the tips.
+/// Returns two Pandas, 0.6 m apart, that look in the same direction. Their hands are the tips, the left one first.
 pub(super) fn two_pandas() -> Arc<RobotModel> {
+    two_pandas_with(["left", "right"])
+}
+
+/// The same with their tips in the order that is given.
+fn two_pandas_with(tips: [&'static str; 2]) -> Arc<RobotModel> {
     let one = include_str!("../../../robot/robots/panda.urdf");
     let links = one.split("<robot").nth(1).and_then(|text| text.split_once('>')).unwrap().1.replace("</robot>", "");
     let of = |side: &str| links.replace("panda_", &format!("{side}_"));
@@ -43,12 +49,10 @@ pub(super) fn two_pandas() -> Arc<RobotModel> {
         of("left"),
         of("right")
     );
-    let hand = |name: &'static str, link: &'static str| UrdfTip {
-        name,
-        link,
-        offset: IsometryMatrix3::translation(0.0, 0.0, 0.1),
-    };
-    let tips = [hand("left", "left_link8"), hand("right", "right_link8")];
+    let links = tips.map(|name| format!("{name}_link8"));
+    let hand =
+        |k: usize| UrdfTip { name: tips[k], link: &links[k], offset: IsometryMatrix3::translation(0.0, 0.0, 0.1) };
+    let tips = [hand(0), hand(1)];
     Arc::new(RobotModel::from_urdf_tree(&text, &UrdfTreeOptions { tips: &tips, ..UrdfTreeOptions::default() }).unwrap())
 }
 
@@ -174,6 +178,7 @@ fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
         ControllerConfig { null_space: None, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![reach]) };
     let controller = Controller::new(config).unwrap();
     let at_rest = Measurement {
+        wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,
         joint_position: HOME.to_vec(),
@@ -188,21 +193,84 @@ fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
     assert!(velocity[7..].iter().any(|entry| entry.abs() > 1e-3), "{velocity:?}");
 }
 
-/// The wrench is that of the tool: no law of another body can read it. A link of another robot is refused too.
+/// A law that reads the wrench of the second tip gives the velocities that it gives where that tip is the tool.
+#[test]
+fn the_wrench_of_a_tip_moves_it_as_that_of_the_tool_moves_the_tool() {
+    let laws = [force(&Axis::ALL, &[20.0, 0.0, -5.0, 1.0, 0.0, 0.0]), impedance(&Axis::ALL, 300.0)];
+    let terms = [
+        (WrenchConvention::OnEnvironment, WrenchFrame::Base, Frame::Base),
+        (WrenchConvention::OnTool, WrenchFrame::Tool, Frame::Tool),
+    ];
+    for (law, (convention, wrench_frame, frame)) in laws.iter().flat_map(|law| terms.map(|terms| (law, terms))) {
+        let stepper = |robot: &Arc<RobotModel>| {
+            let mut push = task("push", TaskBody { body: hand(robot, "right"), relative_to: None }, law.clone());
+            let TaskRows::Tool(rows) = &mut push.rows else { unreachable!() };
+            rows.frame.frame = frame;
+            if robot.tips()[0].name == "right" {
+                rows.frame.body = None;
+            }
+            let config = ControllerConfig::new(Arc::clone(robot), PERIOD, vec![push]);
+            let config = ControllerConfig { wrench_convention: convention, wrench_frame, ..config };
+            Stepper::new(Controller::new(config).unwrap()).unwrap()
+        };
+        let mut steppers = [stepper(&two_pandas()), stepper(&two_pandas_with(["right", "left"]))];
+        let mut memories = [None, None];
+        let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 1e-3, 3);
+        for i in 0..200_u32 {
+            let wrench = std::array::from_fn(|row| f64::from((i * 7 + row as u32 * 5) % 11) - 5.0);
+            let state = arm.measure(f64::from(i) * PERIOD);
+            let of_tip = Measurement { wrenches: vec![TipWrench { tip: 1, wrench }], ..state.clone() };
+            let commands = [of_tip, Measurement { wrench, ..state }]
+                .iter()
+                .zip(&mut steppers)
+                .zip(&mut memories)
+                .map(|((state, stepper), memory)| stepper.step(memory, state).unwrap().clone())
+                .collect::<Vec<_>>();
+            let [a, b] = [0, 1].map(|k| commands[k].targets[0].velocity.as_slice().to_vec());
+            let error = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-12 && a.iter().any(|v| v.abs() > 1e-4), "period {i}: {a:?}, {b:?}");
+            arm.follow(commands[0].resolution.joint_velocity.as_slice(), PERIOD);
+        }
+    }
+}
+
+/// A wrench must be finite, and that of a tip other than the tool, once.
+#[test]
+fn wrenches_of_no_tip_and_of_the_tool_are_refused() {
+    let robot = two_pandas();
+    let lead = task("lead", TaskBody { body: hand(&robot, "left"), relative_to: None }, position(6, 2.0));
+    let mut stepper = Stepper::new(Controller::new(ControllerConfig::new(robot, PERIOD, vec![lead])).unwrap()).unwrap();
+    let mut refused = |wrenches: Vec<TipWrench>| {
+        let state = Measurement { wrenches, ..super::arms::measurement(&HOME) };
+        stepper.step(&mut None, &state).err()
+    };
+    let of = |tip: usize| TipWrench { tip, wrench: [1.0; 6] };
+    assert_eq!(refused(vec![of(1)]), None);
+    assert_eq!(refused(vec![of(0)]), Some(StepError::WrenchTip { tip: 0, tips: 2 }));
+    assert_eq!(refused(vec![of(2)]), Some(StepError::WrenchTip { tip: 2, tips: 2 }));
+    assert_eq!(refused(vec![of(1), of(1)]), Some(StepError::WrenchTip { tip: 1, tips: 2 }));
+    assert_eq!(refused(vec![TipWrench { wrench: [f64::NAN; 6], ..of(1) }]), Some(StepError::NotFinite));
+}
+
+/// Wrenches are measured at tips: no law of another link, or of one that is seen from a link, can read one. A link of another robot is
+/// refused too.
 #[test]
 fn laws_that_read_the_wrench_are_refused_on_other_links() {
     let robot = two_pandas();
-    let body = TaskBody { body: hand(&robot, "right"), relative_to: None };
+    let seen = TaskBody { body: hand(&robot, "right"), relative_to: Some(hand(&robot, "left")) };
+    let elbow = TaskBody { body: BodyFrame::from(robot.link("right_link4").unwrap()), relative_to: None };
     let refused = |body: TaskBody, law: Law| {
         let tasks = vec![task("hand", body, law)];
         Controller::new(ControllerConfig::new(Arc::clone(&robot), PERIOD, tasks)).err()
     };
     let misfit = |source| Some(ConfigError::Task { task: 0, source: TaskConfigError::Rows(source) });
-    assert_eq!(refused(body, force(&Axis::ALL, &[0.0; 6])), misfit(RowsError::LinkLaw));
-    assert_eq!(refused(body, impedance(&Axis::ALL, 100.0)), misfit(RowsError::LinkLaw));
-    assert_eq!(refused(body, position(6, 2.0)), None);
+    for body in [seen, elbow] {
+        assert_eq!(refused(body, force(&Axis::ALL, &[0.0; 6])), misfit(RowsError::LinkLaw));
+        assert_eq!(refused(body, impedance(&Axis::ALL, 100.0)), misfit(RowsError::LinkLaw));
+        assert_eq!(refused(body, position(6, 2.0)), None);
+    }
     let one_arm = revprio_robot::built_in().iter().find(|robot| robot.name() == "panda").unwrap();
-    let tasks = vec![task("hand", body, position(6, 2.0))];
+    let tasks = vec![task("hand", elbow, position(6, 2.0))];
     let unknown = Controller::new(ControllerConfig::new(Arc::clone(one_arm), PERIOD, tasks)).err();
     assert_eq!(unknown, misfit(RowsError::Link));
 }

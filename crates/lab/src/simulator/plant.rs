@@ -200,6 +200,7 @@ impl Measured {
     /// Returns the measured state for the controller.
     pub fn state(&self, sequence: u64, time_s: f64) -> wire::State {
         wire::State {
+            wrenches: BTreeMap::new(),
             obstacles: Vec::new(),
             sequence,
             time_s,

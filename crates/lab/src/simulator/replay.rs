@@ -137,6 +137,7 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         torque: sample.torque,
     });
     wire::State {
+        wrenches: BTreeMap::new(),
         obstacles: Vec::new(),
         sequence: period as u64,
         time_s: sample.time_s,

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::fit::FittedShapes;
 use super::pairs::choose_pairs;
 use crate::RobotModel;
 use crate::shape::{CollisionModel, LinkCapsule, StatedPair};
@@ -32,6 +33,16 @@ pub enum CollisionError {
 }
 
 impl RobotModel {
+    /// Returns the same robot with capsules from its text, as [`Self::with_capsules`] does.
+    pub fn with_fitted(self, shapes: FittedShapes, stated: &[StatedPair]) -> Result<Self, CollisionError> {
+        let robot = self.with_capsules(shapes.capsules, stated)?;
+        let model = robot.collision().map(|model| CollisionModel::clone(model).with_uncovered(shapes.uncovered));
+        Ok(match model {
+            Some(model) => robot.with_collision(model),
+            None => robot,
+        })
+    }
+
     /// Returns the same robot with these capsules; those it had before are forgotten. `stated`: pairs of links that are left out.
     ///
     /// A pair is watched unless its links are the same or neighbours, it is stated, or it touches in every posture of a fixed

@@ -4,12 +4,14 @@
 //! capsules is watched unless a reason speaks against it, and every pair that is left out is listed with its reason.
 
 mod build;
+mod fit;
 mod gradient;
 mod lever;
 mod pairs;
 mod placed;
 
 pub use self::build::{CollisionError, MAX_CAPSULES};
+pub use self::fit::{FitError, FittedCapsule, FittedShapes, MeshDirectory, MeshError, Triangle};
 pub use self::gradient::BodyPoint;
 pub use self::lever::{Levers, last_common, levers};
 pub use self::placed::PlacedBody;

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, IsometryMatrix3, Rotation3, Vector3};
 
-use super::{AxisSelection, Configuration, Jacobian, TaskBody};
+use super::{AxisSelection, BodyFrame, Configuration, Jacobian, TaskBody};
+use crate::{RobotModel, Tip};
 
 /// The axes along which the rows of a task are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,6 +44,13 @@ impl TaskFrame {
         let is_at_tool = self.reference_point.as_slice() == [0.0; 3];
         let lever = (!is_at_tool).then(|| rotation * self.reference_point);
         PlacedFrame { configuration, body, axes, lever }
+    }
+
+    /// Returns the index of the robot's tip that moves, seen from the base; `None`: another frame moves.
+    pub fn tip(&self, robot: &RobotModel) -> Option<usize> {
+        let Some(body) = &self.body else { return Some(0) };
+        let is_body = |tip: &Tip| body.relative_to.is_none() && body.body == BodyFrame::from(tip);
+        robot.tips().iter().position(is_body)
     }
 
     /// Returns the pose of the tool in the base frame, or of the body in the frame from which it is seen, m.
@@ -115,6 +123,23 @@ impl PlacedFrame<'_> {
                 &converted
             };
             entries.iter_mut().zip(axes.axes()).for_each(|(entry, axis)| *entry = twist[axis.index()]);
+        }
+    }
+
+    /// Overwrites `products`, m × n, with the product of each row (m of them, for the linear part, then the angular one) and J.
+    pub fn write_products(&self, rows: &[[f64; 6]], products: &mut DMatrix<f64>) {
+        products.fill(0.0);
+        let mut add = |joint: usize, column: &[f64; 6]| {
+            let twist = self.twist(column);
+            for (entry, row) in products.column_mut(joint).iter_mut().zip(rows) {
+                *entry += row.iter().zip(twist).map(|(a, b)| a * b).sum::<f64>();
+            }
+        };
+        if let Some(body) = self.body {
+            body.columns(self.configuration).for_each(|(joint, column)| add(joint, &column));
+        } else {
+            let (columns, _) = self.configuration.jacobian().as_slice().as_chunks();
+            columns.iter().enumerate().for_each(|(joint, column)| add(joint, column));
         }
     }
 

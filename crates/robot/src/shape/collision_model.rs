@@ -62,17 +62,23 @@ pub struct CollisionModel {
     carried: Vec<(Option<usize>, Segment)>,
     pairs: Vec<WatchedPair>,
     left_out: Vec<LeftOutPair>,
+    uncovered: Vec<String>,
 }
 
 impl CollisionModel {
     /// Builds a model without pairs from capsules, and their joints with their segments in the frames that these move.
     pub(crate) fn new(capsules: Vec<LinkCapsule>, carried: Vec<(Option<usize>, Segment)>) -> Self {
-        Self { capsules, carried, pairs: Vec::new(), left_out: Vec::new() }
+        Self { capsules, carried, pairs: Vec::new(), left_out: Vec::new(), uncovered: Vec::new() }
     }
 
     /// Returns the same model with these pairs.
     pub(crate) fn with_pairs(self, pairs: Vec<WatchedPair>, left_out: Vec<LeftOutPair>) -> Self {
         Self { pairs, left_out, ..self }
+    }
+
+    /// Returns the same model with these links that no capsule covers.
+    pub(crate) fn with_uncovered(self, uncovered: Vec<String>) -> Self {
+        Self { uncovered, ..self }
     }
 
     /// Returns the capsules.
@@ -88,6 +94,11 @@ impl CollisionModel {
     /// Returns the pairs of links that are left out, with the reasons. Pairs of one link with itself are not listed.
     pub fn left_out(&self) -> &[LeftOutPair] {
         &self.left_out
+    }
+
+    /// Returns the links of the robot's text that have a form which no capsule covers, as far as it is known.
+    pub fn uncovered(&self) -> &[String] {
+        &self.uncovered
     }
 
     /// Returns the moving joint that carries a capsule; `None`: it stands still.

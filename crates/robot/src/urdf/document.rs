@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use nalgebra::{IsometryMatrix3, Rotation3, Translation3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::UrdfError;
@@ -157,6 +158,21 @@ fn edge<'a>(name: &'a str, element: Node<'a, 'a>) -> Result<Edge<'a>, UrdfError>
     };
     let parent = link("parent", "<parent link=\"…\"/>")?;
     Ok(Edge { name, parent, child: link("child", "<child link=\"…\"/>")?, element })
+}
+
+/// Maximum absolute value of a number, m or rad.
+const MAX_NUMBER: f64 = 1e9;
+
+/// Reads the numbers of an attribute; `None` if it has others than `N` of at most 1e9.
+pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+    <[f64; N]>::try_from(numbers?).ok()
+}
+
+/// Returns a pose from its position and its angles about fixed axes: roll, pitch, yaw.
+pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> IsometryMatrix3<f64> {
+    IsometryMatrix3::from_parts(Translation3::from(position), Rotation3::from_euler_angles(roll, pitch, yaw))
 }
 
 /// Returns the first child with this tag.

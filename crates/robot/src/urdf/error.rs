@@ -171,6 +171,14 @@ pub enum UrdfError {
         /// The joint.
         joint: String,
     },
+    /// A `<collision>` element is not a body.
+    #[error("link `{link}`: {what}")]
+    Body {
+        /// The link.
+        link: String,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The chain or tree is not a valid robot model.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -1,15 +1,12 @@
 //! Reads one joint.
 
-use nalgebra::{IsometryMatrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{IsometryMatrix3, Vector3};
 use roxmltree::Node;
 
 use super::UrdfError;
-use super::document::{Edge, child};
+use super::document::{Edge, child, numbers, pose};
 use crate::tree_description::SHORTEST_AXIS;
 use crate::{JointKind, JointLimits, JointMotion, LimitOverride, Mimic, TreeJoint};
-
-/// Maximum absolute value of a number, m or rad.
-const MAX_NUMBER: f64 = 1e9;
 
 const POSITION: &str = "\"position\": [lower, upper]";
 const VELOCITY: &str = "\"velocity\": number";
@@ -44,6 +41,11 @@ pub fn joint(edge: &Edge, stated: &LimitOverride, allowed: Allowed) -> Result<Tr
     Ok(joint(Some(JointMotion { kind, axis, limits, mimic })))
 }
 
+/// Reads the pose of a joint's frame in that of its parent link, m.
+pub fn origin(edge: &Edge) -> Result<IsometryMatrix3<f64>, UrdfError> {
+    Reader { joint: edge.name, element: edge.element }.origin()
+}
+
 struct Reader<'a> {
     joint: &'a str,
     element: Node<'a, 'a>,
@@ -52,13 +54,12 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// Reads the pose of the joint's frame in the parent link's frame: x y z; roll, pitch, yaw about fixed axes.
     fn origin(&self) -> Result<IsometryMatrix3<f64>, UrdfError> {
-        let [x, y, z] = self.numbers("origin", "xyz")?.unwrap_or_default();
-        let [roll, pitch, yaw] = self.numbers("origin", "rpy")?.unwrap_or_default();
+        let position = self.numbers("origin", "xyz")?.unwrap_or_default();
+        let angles = self.numbers("origin", "rpy")?.unwrap_or_default();
         if child(self.element, "origin").is_some_and(|origin| origin.has_attribute("quat_xyzw")) {
             return Err(self.missing("its orientation as `rpy`; `quat_xyzw` is not supported"));
         }
-        let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
-        Ok(IsometryMatrix3::from_parts(Translation3::new(x, y, z), rotation))
+        Ok(pose(position, angles))
     }
 
     /// Reads the axis, which may have any length but zero; x by default.
@@ -136,11 +137,8 @@ impl Reader<'_> {
     /// Reads the numbers of an attribute of the joint's first child with this tag; `None` without the attribute.
     fn numbers<const N: usize>(&self, tag: &str, field: &'static str) -> Result<Option<[f64; N]>, UrdfError> {
         let Some(text) = child(self.element, tag).and_then(|node| node.attribute(field)) else { return Ok(None) };
-        let number = |word: &str| word.parse().ok().filter(|value: &f64| value.abs() <= MAX_NUMBER);
-        let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
-        let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
         let error = || UrdfError::Number { joint: self.joint.to_owned(), field, text: text.to_owned(), count: N };
-        numbers.map(Some).ok_or_else(error)
+        numbers(text).map(Some).ok_or_else(error)
     }
 
     fn kind(&self, kind: &str, allowed: Allowed) -> UrdfError {

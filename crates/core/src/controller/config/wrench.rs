@@ -1,7 +1,6 @@
 //! What a measured wrench means.
 
-use nalgebra::Vector3;
-use revprio_robot::kinematics::Configuration;
+use nalgebra::{Rotation3, Vector3};
 
 /// Which body exerts the measured wrench on which. The laws use the wrench on the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,22 +28,21 @@ pub enum WrenchFrame {
     /// The axes of the base.
     #[default]
     Base,
-    /// The axes of the tool, as of a wrist sensor.
+    /// The axes of the tool, or of the tip at which it is measured, as of a wrist sensor.
     Tool,
 }
 
-/// Returns F_e on the environment, base axes, at the tool point, from a measured wrench, N and N·m.
+/// Returns F_e on the environment, base axes, from a wrench measured at a tip, N and N·m; `tip`: the orientation of the tip.
 pub(in crate::controller) fn on_environment(
     measured: &[f64; 6],
     (convention, frame): (WrenchConvention, WrenchFrame),
-    configuration: &Configuration,
+    tip: &Rotation3<f64>,
 ) -> [f64; 6] {
     let [fx, fy, fz, tx, ty, tz] = measured.map(|entry| convention.sign() * entry);
     match frame {
         WrenchFrame::Base => [fx, fy, fz, tx, ty, tz],
         WrenchFrame::Tool => {
-            let rotation = &configuration.tool_pose().rotation;
-            let (force, torque) = (rotation * Vector3::new(fx, fy, fz), rotation * Vector3::new(tx, ty, tz));
+            let (force, torque) = (tip * Vector3::new(fx, fy, fz), tip * Vector3::new(tx, ty, tz));
             [force.x, force.y, force.z, torque.x, torque.y, torque.z]
         }
     }

@@ -62,10 +62,10 @@ pub(super) fn measure<'a, 'm>(
         (None, Some(last_command)) => arm.move_to(&measurement.joint_position, last_command)?,
         (None, None) => arm.stand_at(&measurement.joint_position)?,
     }
-    let configuration = arm.measured().configuration;
-    let wrench = on_environment(&measurement.wrench, (config.wrench_convention, config.wrench_frame), configuration);
-    let initial_pose = known.as_ref().map_or(*configuration.tool_pose(), |known| known.initial_pose);
-    (arm.time_s, arm.wrench, arm.initial_pose) = (measurement.time_s, wrench, initial_pose);
+    read_wrenches(config, measurement, arm);
+    let tool_pose = *arm.measured().configuration.tool_pose();
+    let initial_pose = known.as_ref().map_or(tool_pose, |known| known.initial_pose);
+    (arm.time_s, arm.initial_pose) = (measurement.time_s, initial_pose);
     match known.as_ref().and_then(|known| known.initial_position.as_ref()) {
         Some(initial) => arm.start_at(initial.as_slice())?,
         None => arm.start_at(&measurement.joint_position)?,
@@ -74,6 +74,18 @@ pub(super) fn measure<'a, 'm>(
     arm.profiles_start_s = known.start_time_s;
     recall(config, &known, arm)?;
     Ok((arm, known))
+}
+
+/// Updates the wrenches of the arm at the measured posture.
+fn read_wrenches(config: &ControllerConfig, measurement: &Measurement, arm: &mut ArmState) {
+    let terms = (config.wrench_convention, config.wrench_frame);
+    let tool = on_environment(&measurement.wrench, terms, &arm.measured().configuration.tool_pose().rotation);
+    arm.wrenches.fill([0.0; 6]);
+    arm.wrenches[0] = tool;
+    for measured in &measurement.wrenches {
+        let pose = arm.measured().configuration.tip_pose(&config.robot.tips()[measured.tip]);
+        arm.wrenches[measured.tip] = on_environment(&measured.wrench, terms, &pose.rotation);
+    }
 }
 
 /// Updates what the arm has from the memory: the last command, its acceleration, and where it leads the arm.

@@ -17,10 +17,21 @@ pub struct Measurement {
     pub joint_velocity: Option<Vec<f64>>,
     /// Force (N), then torque (N·m), at the tool point, in the controller's wrench convention and frame.
     pub wrench: [f64; 6],
+    /// The wrenches of other tips that are measured, at most one per tip; usually none. A tip that is not named measures zero.
+    pub wrenches: Vec<TipWrench>,
     /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
     pub targets: Vec<StreamedTarget>,
     /// Where the moving obstacles of the controller are; each must be named.
     pub obstacles: Vec<ObstacleState>,
+}
+
+/// A wrench at a tip that is not the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipWrench {
+    /// Index of the tip in [`RobotModel::tips`](revprio_robot::RobotModel::tips), from 1.
+    pub tip: usize,
+    /// Force (N), then torque (N·m), at the tip, in the controller's wrench convention and frame.
+    pub wrench: [f64; 6],
 }
 
 impl Measurement {
@@ -31,13 +42,25 @@ impl Measurement {
         if !self.joint_velocity.as_ref().is_none_or(fits) {
             return Err(StepError::JointVelocity { expected });
         }
-        let finite = self.time_s.is_finite() && self.wrench.iter().all(|entry| entry.is_finite());
-        if !finite {
+        let wrenches = self.wrenches.iter().map(|measured| &measured.wrench).chain([&self.wrench]);
+        if !(self.time_s.is_finite() && wrenches.flatten().all(|entry| entry.is_finite())) {
             return Err(StepError::NotFinite);
         }
+        self.check_tips(config.robot.tips().len())?;
         self.check_obstacles(config)?;
         for (index, target) in self.targets.iter().enumerate() {
             target.check(config, self.time_s).map_err(|source| StepError::Target { index, source })?;
+        }
+        Ok(())
+    }
+
+    /// Checks that each wrench is that of another tip than the tool.
+    fn check_tips(&self, tips: usize) -> Result<(), StepError> {
+        for (index, measured) in self.wrenches.iter().enumerate() {
+            let is_known = (1..tips).contains(&measured.tip);
+            if !is_known || self.wrenches[..index].iter().any(|earlier| earlier.tip == measured.tip) {
+                return Err(StepError::WrenchTip { tip: measured.tip, tips });
+            }
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ pub use answered_state::AnsweredState;
 pub use command::Command;
 pub use jerk_state::JerkState;
 pub use line::{LINE_INTERVALS, Line};
-pub use measurement::Measurement;
+pub use measurement::{Measurement, TipWrench};
 pub(super) use memory::fits_task;
 pub use memory::{Memory, MemoryError};
 pub use progress::{LEAVING_TIME, Progress};

@@ -21,8 +21,16 @@ pub enum StepError {
         expected: usize,
     },
     /// Time or wrench is NaN or infinite.
-    #[error("time and wrench must be finite numbers")]
+    #[error("time and wrenches must be finite numbers")]
     NotFinite,
+    /// A wrench is that of no tip, of the tool, or of a tip that has one already.
+    #[error("a wrench names tip {tip}; name each tip from 1 to {} at most once, `wrench` is that of the tool", tips - 1)]
+    WrenchTip {
+        /// Index of the tip.
+        tip: usize,
+        /// Tips of the robot.
+        tips: usize,
+    },
     /// A streamed target does not fit its task.
     #[error("{source}")]
     Target {

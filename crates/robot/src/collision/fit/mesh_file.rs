@@ -1,0 +1,91 @@
+//! Triangles of the files that a URDF text names.
+
+use std::path::{Path, PathBuf};
+
+use mesh_loader::Loader;
+use nalgebra::Vector3;
+
+use super::Triangle;
+
+/// Largest number of triangles of a mesh.
+const MAX_TRIANGLES: usize = 2_000_000;
+
+/// Where the files are that a URDF text names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshDirectory {
+    directory: PathBuf,
+    packages: Vec<PathBuf>,
+}
+
+/// Why a mesh cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// There is no such file.
+    #[error(
+        "the mesh {name} is not found; `package://NAME/…` is looked for in directories NAME beside the URDF file and above it, and in \
+         ROS_PACKAGE_PATH and AMENT_PREFIX_PATH"
+    )]
+    NotFound {
+        /// The name in the text.
+        name: String,
+    },
+    /// The file is no mesh.
+    #[error("cannot read the mesh {path}: {source}; STL, OBJ and COLLADA (.dae) are read")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: std::io::Error,
+    },
+    /// The mesh has no triangle, too many, or a corner that is not finite.
+    #[error("the mesh {path} must have 1 to {MAX_TRIANGLES} triangles with finite corners")]
+    Triangles {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl MeshDirectory {
+    /// Returns where the files of a URDF file are: beside it, and in the packages that the environment names.
+    pub fn of_urdf(file: &Path) -> Self {
+        let directory = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+        let directory = directory.parent().unwrap_or(Path::new("/")).to_owned();
+        let listed = |name: &str| std::env::var_os(name).map(|value| std::env::split_paths(&value).collect::<Vec<_>>());
+        let mut packages: Vec<PathBuf> = directory.ancestors().map(Path::to_owned).collect();
+        packages.extend(listed("ROS_PACKAGE_PATH").unwrap_or_default());
+        packages.extend(listed("AMENT_PREFIX_PATH").unwrap_or_default().iter().map(|prefix| prefix.join("share")));
+        Self { directory, packages }
+    }
+
+    /// Reads the triangles of a file, m, with coordinates multiplied by `scale`.
+    pub fn read(&self, name: &str, scale: &Vector3<f64>) -> Result<Vec<Triangle>, MeshError> {
+        let path = self.find(name).ok_or_else(|| MeshError::NotFound { name: name.to_owned() })?;
+        let scene = Loader::default().load(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?;
+        let corner = |point: [f32; 3]| Vector3::from(point.map(f64::from)).component_mul(scale);
+        let mut triangles = Vec::new();
+        for mesh in &scene.meshes {
+            for face in &mesh.faces {
+                let corners = face.map(|index| usize::try_from(index).ok().and_then(|k| mesh.vertices.get(k)));
+                if let [Some(a), Some(b), Some(c)] = corners {
+                    triangles.push([*a, *b, *c].map(corner));
+                }
+            }
+        }
+        let is_finite = triangles.iter().flatten().all(|point| point.iter().all(|entry| entry.is_finite()));
+        let is_sound = is_finite && (1..=MAX_TRIANGLES).contains(&triangles.len());
+        if is_sound { Ok(triangles) } else { Err(MeshError::Triangles { path }) }
+    }
+
+    /// Returns the file that a name means.
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        let Some(in_package) = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://")) else {
+            let path = self.directory.join(name.strip_prefix("file://").unwrap_or(name));
+            return path.is_file().then_some(path);
+        };
+        let (package, rest) = in_package.split_once('/')?;
+        let inside = self.packages.iter().map(|directory| directory.join(package).join(rest));
+        // The URDF file may lie inside the package.
+        let own = self.packages.iter().filter(|directory| directory.ends_with(package)).map(|own| own.join(rest));
+        inside.chain(own).find(|path| path.is_file())
+    }
+}
