@@ -238,8 +238,8 @@ fn capsules_contain_the_meshes_of_a_file_and_are_printed_for_a_registration() {
 
 #[test]
 fn a_semantic_description_beside_the_file_gives_its_tips() {
-    let duo = "fixtures/robots/duo.urdf,srdf=fixtures/robots/duo.srdf,shapes=fit";
+    let duo = "examples/robots/duo.urdf,srdf=examples/robots/duo.srdf,shapes=fit";
     let shown = success(&["robots", "check", duo]);
     assert!(shown.contains("joints 13") && shown.contains("Tips, first the tool: left_hand, right_hand."), "{shown}");
-    assert!(failure(&["robots", "check", "fixtures/robots/duo.urdf,srdf=none.srdf"]).contains("cannot read none.srdf"));
+    assert!(failure(&["robots", "check", "examples/robots/duo.urdf,srdf=none.srdf"]).contains("cannot read none.srdf"));
 }
