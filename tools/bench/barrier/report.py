@@ -17,6 +17,8 @@ from barrier.simulate import Record
 Runs = dict[tuple[str, str, str, str], Score]
 """Scores by entry, scene, start and drive."""
 
+DEEPER_MM = 0.005
+"""Distance by which an arm may come nearer than at its start without being marked, mm."""
 NAMES = [name for name in entries.ENTRIES if name != entries.HTTP]
 
 
@@ -37,7 +39,7 @@ def read(out: Path) -> Runs:
                     path = entries.path_of(out, name, scene, start, drive)
                     if path.exists():
                         record = Record.load(path)
-                        runs[name, scene.name, start.name, drive.name] = score(record, scene, start)
+                        runs[name, scene.name, start.name, drive.name] = score(record, scene)
     return runs
 
 
@@ -81,7 +83,7 @@ def scene_table(runs: Runs, scene: Scene, starts: tuple[Start, ...], drive: Driv
             if result is None:
                 continue
             is_outside = start.distance_m is None
-            is_bad = result.is_too_near if is_outside else result.deeper_mm > 1e-3
+            is_bad = result.is_too_near if is_outside else result.deeper_mm > DEEPER_MM
             rows.append(
                 [
                     start.name,
@@ -130,7 +132,7 @@ def result_table(runs: Runs) -> str:
                 bold(f"{too_near} of {len(outside)}", too_near > 0),
                 bold(f"{reached} of {len(outside)}", reached < len(outside)),
                 bold(f"{left} of {len(inside)}", left < len(inside)),
-                bold(millimetres(deeper), deeper > 1e-3),
+                bold(millimetres(deeper), deeper > DEEPER_MM),
                 over_limit(max(result.acceleration_over_limit for result in of_name.values())),
                 bold(f"{refused} of {800 * len(of_name)}", refused > 0),
             ]

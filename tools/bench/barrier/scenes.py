@@ -86,10 +86,11 @@ class Scene:
         """Returns the pose of the tool, 4 × 4, m."""
         return link_poses(self.joints, position)[self.tip]
 
-    def distance(self, position: Array) -> float:
-        """Returns the least distance of a link from the obstacle, m."""
+    def distance(self, position: Array) -> Array:
+        """Returns the least distance of a link from the obstacle, …, m. `position`: … × n."""
         poses = link_poses(self.joints, position)
-        return min(distance(shape.moved(poses[link]), self.obstacle) for link, shape in self.shapes.items())
+        each = [distance(shape.moved(poses[link]), self.obstacle) for link, shape in self.shapes.items()]
+        return np.asarray(np.min(each, axis=0))
 
     def posture(self, tool: Array) -> Array:
         """Returns joint positions with the tool at a position, oriented as at home, n, rad or m."""
@@ -118,7 +119,7 @@ class Scene:
         low, high = 0.0, 0.5
         for _ in range(60):
             middle = (low + high) / 2
-            far = self.distance(self.posture(first + middle * (last - first))) > start.distance_m
+            far = bool(self.distance(self.posture(first + middle * (last - first))) > start.distance_m)
             low, high = (middle, high) if far else (low, middle)
         return self.posture(first + (low + high) / 2 * (last - first))
 

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from barrier.scenes import DURATION_S, MIN_DISTANCE_M, PERIOD_S, Scene, Start
+from barrier.scenes import MIN_DISTANCE_M, PERIOD_S, Scene
 from barrier.simulate import Record
 
 ROUNDING_M = 1e-6
@@ -63,11 +63,10 @@ class Score:
         return {name: value if isinstance(value, bool) else round(value, 6) for name, value in asdict(self).items()}
 
 
-def score(record: Record, scene: Scene, start: Start) -> Score:
+def score(record: Record, scene: Scene) -> Score:
     """Measures a run."""
-    distances = np.array([scene.distance(position) for position in record.position])
+    distances = scene.distance(record.position)
     changes = np.diff(record.command, axis=0, prepend=0.0) / PERIOD_S
-    target = scene.targets(scene.start(start))(DURATION_S)
     end = scene.tool(record.position[-1])
     last = record.command[-round(REST_S / PERIOD_S) :]
     return Score(
@@ -76,6 +75,6 @@ def score(record: Record, scene: Scene, start: Start) -> Score:
         end_mm=float(1e3 * distances[-1]),
         acceleration_over_limit=float((np.abs(changes) / scene.acceleration).max()),
         refused=int(record.refused.sum()),
-        error_mm=float(1e3 * np.linalg.norm(end[:3, 3] - target[:3, 3])),
+        error_mm=float(1e3 * np.linalg.norm(end[:3, 3] - scene.path[1])),
         rests=bool(np.abs(last).max() <= REST),
     )
