@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from barrier import entries, report, simulate
+from barrier.controllers.base import Controller
 from barrier.plant import DRIVES, PERFECT
 from barrier.scenes import DURATION_S, PANDA, SCENES, STARTS
 
@@ -30,7 +31,7 @@ def run_all(out: Path, names: list[str], duration_s: float) -> None:
             for start in STARTS:
                 for drive in DRIVES:
 
-                    def make() -> entries.Controller:
+                    def make() -> Controller:
                         return entries.make(name, scene, drive, out)  # noqa: B023 - called before the next turn
 
                     record = simulate.run(make, scene, start, drive, duration_s)

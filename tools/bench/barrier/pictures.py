@@ -39,7 +39,8 @@ PANELS = (
 
 def draw(axes: Axes, out: Path, start: Start, limited: bool | None) -> None:
     """Draws the paths of the centre of the tool. `limited`: with or without acceleration limits; none: both."""
-    centre, radius = SLIDES.obstacle.start[:2], SLIDES.obstacle.radius + SLIDES.shapes["tool"].radius
+    x, y, _ = (float(coordinate) for coordinate in SLIDES.obstacle.start)
+    centre, radius = (x, y), SLIDES.obstacle.radius + SLIDES.shapes["tool"].radius
     axes.add_patch(Circle(centre, radius, color="0.85", linewidth=0))
     axes.add_patch(Circle(centre, radius + MIN_DISTANCE_M, fill=False, color="0.5", linewidth=0.8, linestyle=":"))
     for name, entry in reversed(entries.ENTRIES.items()):

@@ -55,7 +55,7 @@ class Tests(unittest.TestCase):
                 second[1] = second[0] + 0.7 * (first[1] - first[0]) + (number % 2) * 1e-7
             if number % 3 == 2:
                 first[1] = first[0]
-            one, other = (Capsule(*ends, 0.1) for ends in (first, second))
+            one, other = (Capsule(ends[0], ends[1], 0.1) for ends in (first, second))
             a, b = (ends[0] + places[:, None] * (ends[1] - ends[0]) for ends in (first, second))
             searched = np.linalg.norm(a[:, None] - b[None], axis=2).min() - 0.2
             self.assertLessEqual(float(distance(one, other)), searched + 1e-12)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from typing import Any
 
 import numpy as np
 import revprio
 from behaviour.rotations import Array, to_quaternion
-from revprio import ConstantProfile, ControllerTask, PoseLaw, PostureLaw, StreamedPose, StreamedTarget
+from revprio import Client, ConstantProfile, ControllerTask, Local, PoseLaw, PostureLaw, StreamedPose, StreamedTarget
 from revprio.errors import RevprioError
 from revprio.models import (
     Capsule,
@@ -28,14 +29,14 @@ POSTURE_GAIN = 1.0
 """Gain of the posture, 1/s; that of the teleoperation example."""
 
 
-def shape_of(shape: referee.Capsule) -> dict[str, Capsule | Sphere]:
+def shape_of(shape: referee.Capsule) -> dict[str, Any]:
     """Returns the field of a shape: `sphere` or `capsule`."""
     if np.array_equal(shape.start, shape.end):
         return {"sphere": Sphere(center=list(shape.start), radius=shape.radius)}
     return {"capsule": Capsule(start=list(shape.start), end=list(shape.end), radius=shape.radius)}
 
 
-def register(client: revprio.calls.Calls, scene: Scene) -> str:
+def register(client: Client | Local, scene: Scene) -> str:
     """Registers the arm with its shapes and returns its name."""
     name = f"barrier-{scene.name}"
     if name not in [robot.name for robot in client.robots()]:
@@ -64,10 +65,11 @@ def tasks(scene: Scene) -> list[ControllerTask]:
 class Revprio:
     """Strict reverse priority within all limits, and commands whose stop is free."""
 
-    def __init__(self, task: Task, client: revprio.calls.Calls) -> None:
+    def __init__(self, task: Task, client: Client | Local) -> None:
         """Starts a controller."""
         self._exit = ExitStack()
-        self._client = self._exit.enter_context(client)
+        self._client = client
+        self._exit.callback(client.close)
         self._scene = task.scene
         self._robot = register(client, task.scene)
         obstacle = RoomObstacle(name=OBSTACLE, **shape_of(task.scene.obstacle))
