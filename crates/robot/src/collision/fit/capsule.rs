@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 
-use super::FittedCapsule;
+use super::fitted_capsule::FittedCapsule;
 use crate::shape::Segment;
 
 /// Factors by which the radius may exceed that of the narrowest tube around the points: a wider tube can be shorter.

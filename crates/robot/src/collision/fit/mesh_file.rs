@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mesh_loader::Loader;
 use nalgebra::Vector3;
 
-use super::Triangle;
+use super::fitted_capsule::Triangle;
 
 /// Largest number of triangles of a mesh.
 const MAX_TRIANGLES: usize = 2_000_000;

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::capsule::around_points;
-use super::{FittedCapsule, Triangle};
+use super::fitted_capsule::{FittedCapsule, Triangle};
 
 /// Largest share of the volume of a capsule that its two successors may have together. A split that saves less is not worth the pairs.
 const WORTH: f64 = 0.7;

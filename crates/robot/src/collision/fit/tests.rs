@@ -1,4 +1,5 @@
 use super::capsule::around_points;
+use super::primitive::{MOST_PER_BOX, around_box, around_cylinder};
 use super::split::around_triangles;
 use super::*;
 use crate::UrdfOptions;
