@@ -222,9 +222,11 @@ impl StopPath {
             strays.fill(0.0);
             return;
         }
+        // Without a lag, the joints move uniformly in each period, with the velocity at its end.
+        let first = if self.lag > 0.0 { from } else { from + 1 };
         let quarter = 0.25 * (last - from) as f64 * self.period;
         for (joint, stray) in strays.iter_mut().enumerate() {
-            let velocities = (from..=last).map(|node| self.velocity[node * n + joint]);
+            let velocities = (first..=last).map(|node| self.velocity[node * n + joint]);
             let (least, most) =
                 velocities.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
             *stray = quarter * (most - least);

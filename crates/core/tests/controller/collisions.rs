@@ -526,13 +526,17 @@ fn a_stepper_that_starts_in_the_middle_gives_the_same_commands() {
     }
 }
 
-/// An arm that begins inside an obstacle leaves it, and is told so.
+/// An arm that begins inside an obstacle leaves it, with limits of acceleration and a slow drive, and where joints may jump.
 #[test]
 fn an_arm_inside_an_obstacle_leaves_it() {
     let robot = panda(false);
     let hand = Configuration::new(&robot, &HOME).unwrap().tool_pose().translation.vector;
     let ball = |x: f64| capsule([hand.x + x, hand.y, hand.z], [hand.x + x, hand.y, hand.z], 0.1);
-    for depth in [0.0, 0.003, 0.05] {
+    let slow = (LimitKind::PositionVelocityAcceleration, SLOW, SLOW, 0.001);
+    let jumping = (LimitKind::PositionVelocity, Drive::IDEAL, IDEAL, 0.005);
+    let depths = [0.0, 0.003, 0.05];
+    for (depth, (kind, drive, plant, period)) in depths.into_iter().flat_map(|depth| [(depth, slow), (depth, jumping)])
+    {
         let ball = ball(0.1 - depth + 0.03);
         let avoidance = CollisionAvoidance {
             min_distance_m: NEAREST,
@@ -541,24 +545,25 @@ fn an_arm_inside_an_obstacle_leaves_it() {
         };
         let config = ControllerConfig {
             constraints: vec![Constraint::Distances(avoidance)],
-            ..config(&robot, Setup::default())
+            limits: Limits::Robot(kind),
+            ..config(&robot, Setup { drive, period, ..Setup::default() })
         };
         let obstacles = vec![Obstacle::new("ball", ball, false).unwrap()];
         let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
-        let mut arm = LaggingArm::at_rest(&HOME, SLOW, 0.0, 1);
+        let mut arm = LaggingArm::at_rest(&HOME, plant, 0.0, 1);
         let mut memory = None;
         let start = nearest(&robot, &obstacles, &HOME) - NEAREST;
         assert!(start < 0.0, "{depth}: {start}");
         let mut deepest = start;
         for i in 0..3000 {
-            let measured = arm.measure(f64::from(i) * 1e-3);
+            let measured = arm.measure(f64::from(i) * period);
             let command = stepper.step(&mut memory, &measured).unwrap();
-            arm.follow(command.resolution.joint_velocity.as_slice(), 1e-3);
+            arm.follow(command.resolution.joint_velocity.as_slice(), period);
             deepest = deepest.min(nearest(&robot, &obstacles, &arm.q) - NEAREST);
         }
         let end = nearest(&robot, &obstacles, &arm.q) - NEAREST;
-        assert!(end > -1e-6, "{depth}: from {start} m to {end} m");
-        assert!(deepest > start - 1e-6, "{depth}: from {start} m to {deepest} m");
+        assert!(end > -1e-6, "{depth}, {kind:?}: from {start} m to {end} m");
+        assert!(deepest > start - 1e-6, "{depth}, {kind:?}: from {start} m to {deepest} m");
     }
 }
 
