@@ -13,6 +13,7 @@ from revprio_ros.connection import Connection
 from revprio_ros.control import Control, Phase
 from revprio_ros.inputs import Inputs
 from revprio_ros.loop_clock import LoopClock
+from revprio_ros.obstacles import Obstacles
 from revprio_ros.outputs import Outputs
 from revprio_ros.process import ClosableNode, run_node
 from revprio_ros.report import Periods, Report
@@ -39,6 +40,7 @@ class Controller(ClosableNode):
         self.clock = LoopClock(self)
         self.inputs = Inputs(self, self.clock, settings)
         self.targets = Targets(self, self.clock, settings)
+        self.obstacles = Obstacles(self, self.clock, settings)
         self.outputs = Outputs(self, settings)
         self.connection = Connection(config, settings.url, settings.token)
         check = (settings.sign_check_force_n, settings.sign_check_periods)
@@ -55,12 +57,17 @@ class Controller(ClosableNode):
         now_s = self.clock.now_s()
         self.periods.add(now_s)
         self.ticks += 1
-        self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
+        self.control.update(self.clock.now_s, self.check_fresh, self.read)
         if self.control.joints:
             self.outputs.check(self.control.joints)
             self.publish()
         if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:
             self.report.publish(self.control, now_s, self.periods, self.targets.refusals)
+
+    def check_fresh(self) -> None:
+        """Raises a `NotUsable` that names a topic without a fresh message."""
+        self.inputs.check_fresh()
+        self.obstacles.check_fresh()
 
     def read(self, joints: list[str]) -> tuple[dict[str, Any], float]:
         """Returns the arguments of the next step and the time of the measurement."""
@@ -70,7 +77,8 @@ class Controller(ClosableNode):
         if finding is not None:
             self.control.halt(finding, self.clock.now_s())
         start_s = measured_s if self.control.start_s is None else self.control.start_s
-        return {**arguments, "targets": self.targets.current(start_s) or None}, measured_s
+        arrived = {"targets": self.targets.current(start_s) or None, "obstacles": self.obstacles.current() or None}
+        return {**arguments, **arrived}, measured_s
 
     def publish(self) -> None:
         """Publishes the command of this period."""
@@ -83,7 +91,7 @@ class Controller(ClosableNode):
         self.control.halt("the node is being stopped", self.clock.now_s())
         left, end_s = REST_COMMANDS, time.monotonic() + MAX_STOP_S
         while self.control.joints and left > 0 and (self.clock.is_steady or time.monotonic() < end_s):
-            self.control.update(self.clock.now_s, self.inputs.check_fresh, self.read)
+            self.control.update(self.clock.now_s, self.check_fresh, self.read)
             left -= self.control.phase is Phase.HALTED
             self.publish()
             time.sleep(self.period_s)

@@ -28,7 +28,7 @@ PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
     "wrench_frame": ("", f"base or tool: the axes of the wrench; empty: {REVPRIO}", None),
     "use_wrench": (True, "whether the controller needs the wrench", None),
     "sensor_pose": (SAME_FRAME, "x, y, z, qx, qy, qz, qw of the sensor frame in the wrench_frame", None),
-    "max_age_s": (0.05, "maximum age of joint_states and wrench, s", (0.002, 0.1)),
+    "max_age_s": (0.05, "maximum age of joint_states, wrench and obstacles, s", (0.002, 0.1)),
     "base_frame": ("base", "frame_id of the base, in which poses and twists are given", None),
     "tool_frame": ("tool0", "frame_id of the tool, for tasks with the frame `tool`", None),
     "output": ("velocity", "velocity, trajectory or both", None),
