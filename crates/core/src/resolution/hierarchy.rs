@@ -147,10 +147,11 @@ impl Hierarchy {
         let rows = &mut self.coefficients[start..];
         // Columns are contiguous.
         for (j, column) in matrix.as_slice().chunks_exact(count).enumerate() {
-            for (row, entry) in rows.chunks_exact_mut(self.width).zip(column) {
-                row[j] = *entry;
+            for (place, entry) in rows[j..].iter_mut().step_by(self.width).zip(column) {
+                *place = *entry;
             }
         }
+        self.rows.reserve(count);
         for i in 0..count {
             let row = &self.coefficients[start + i * self.width..][..self.width];
             self.push_demand(demand(i), dot(row, row));
@@ -249,7 +250,8 @@ fn row_width(n: usize) -> usize {
         5..=8 => 8,
         9..=16 => 16,
         17..=24 => 24,
-        25..=40 => 40,
+        25..=32 => 32,
+        33..=40 => 40,
         41..=72 => 72,
         73..=MAX_UNKNOWNS => 136,
         _ => panic!("{n} unknowns; problems are checked for at most {MAX_UNKNOWNS}"),

@@ -60,7 +60,10 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
     pub fn solve_rows(&mut self, problem: &ProblemRows<N>, start: Start, solution: &mut Solution) {
-        self.cascade.reserve(problem.unknowns, problem.rows.len());
+        if self.rungs[Rung::Start].tried > 0 {
+            // A solver of one problem alone seldom needs this memory.
+            self.cascade.reserve(problem.unknowns, problem.rows.len());
+        }
         self.solved.rank_tolerance = TOLERANCES.rank;
         let guess = start.guess.filter(|guess| !guess.is_empty());
         let (rung, mut met_uncertain_rank) = self.attempt(problem, guess, start.is_factorized, solution);

@@ -88,7 +88,7 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
 /// Solvers for all sizes, each made when it is first needed.
 #[derive(Default)]
 pub struct HierarchicalSolver {
-    solvers: [Option<Box<dyn SizedSolver + Send>>; 7],
+    solvers: [Option<Box<dyn SizedSolver + Send>>; 8],
 }
 
 impl HierarchicalSolver {
@@ -104,9 +104,10 @@ impl HierarchicalSolver {
             8 => (1, || Box::<ActiveSetSolver<8>>::default()),
             16 => (2, || Box::<ActiveSetSolver<16>>::default()),
             24 => (3, || Box::<ActiveSetSolver<24>>::default()),
-            40 => (4, || Box::<ActiveSetSolver<40>>::default()),
-            72 => (5, || Box::<ActiveSetSolver<72>>::default()),
-            _ => (6, || Box::<ActiveSetSolver<136>>::default()),
+            32 => (4, || Box::<ActiveSetSolver<32>>::default()),
+            40 => (5, || Box::<ActiveSetSolver<40>>::default()),
+            72 => (6, || Box::<ActiveSetSolver<72>>::default()),
+            _ => (7, || Box::<ActiveSetSolver<136>>::default()),
         };
         &mut **self.solvers[place].get_or_insert_with(make)
     }

@@ -66,7 +66,7 @@ fn the_last_factorisation_tells_the_singular_values() {
 
 #[test]
 fn each_number_of_unknowns_has_a_solver() {
-    for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 40, 41, 72, 73, MAX_UNKNOWNS] {
+    for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 32, 33, 40, 41, 72, 73, MAX_UNKNOWNS] {
         let mut hierarchy = Hierarchy::default();
         hierarchy.clear(&vec![0.0; n]);
         hierarchy.push_equation((0..n).map(|_| 1.0), 1.0);
