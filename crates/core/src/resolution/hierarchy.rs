@@ -5,7 +5,7 @@ use std::ops::Range;
 use revprio_problem::{BoundId, MAX_UNKNOWNS, Side};
 
 use super::solution::{Solution, refill};
-use crate::linalg::{Matrix, dot};
+use crate::linalg::{Matrix, Row, dot};
 
 /// Levels of rows within a box, highest level first.
 ///
@@ -142,19 +142,31 @@ impl Hierarchy {
 
     /// Adds the rows of a matrix. Unknowns behind its columns get zeros.
     pub fn push_matrix(&mut self, matrix: &Matrix, demand: impl Fn(usize) -> Demand) {
-        let (start, count) = (self.coefficients.len(), matrix.nrows());
-        self.coefficients.resize(start + count * self.width, 0.0);
-        let rows = &mut self.coefficients[start..];
-        // Columns are contiguous.
-        for (j, column) in matrix.as_slice().chunks_exact(count).enumerate() {
-            for (place, entry) in rows[j..].iter_mut().step_by(self.width).zip(column) {
-                *place = *entry;
-            }
+        match self.width {
+            4 => self.push_wide::<4>(matrix, demand),
+            8 => self.push_wide::<8>(matrix, demand),
+            16 => self.push_wide::<16>(matrix, demand),
+            24 => self.push_wide::<24>(matrix, demand),
+            32 => self.push_wide::<32>(matrix, demand),
+            40 => self.push_wide::<40>(matrix, demand),
+            72 => self.push_wide::<72>(matrix, demand),
+            _ => self.push_wide::<136>(matrix, demand),
         }
+    }
+
+    /// The same with the width, which the compiler knows.
+    fn push_wide<const N: usize>(&mut self, matrix: &Matrix, demand: impl Fn(usize) -> Demand) {
+        let (count, entries) = (matrix.nrows(), matrix.as_slice());
+        self.coefficients.reserve(count * N);
         self.rows.reserve(count);
         for i in 0..count {
-            let row = &self.coefficients[start + i * self.width..][..self.width];
-            self.push_demand(demand(i), dot(row, row));
+            let mut row = Row::<N>::ZERO;
+            // Columns are contiguous.
+            for (place, column) in row.0.iter_mut().zip(entries.chunks_exact(count)) {
+                *place = column[i];
+            }
+            self.coefficients.extend_from_slice(&row.0);
+            self.push_demand(demand(i), row.dot(&row));
         }
     }
 
