@@ -26,10 +26,10 @@ use crate::tolerances::TOLERANCES;
 pub struct Smoothing {
     relaxed: RelaxedLevels,
     regularity: Regularity,
-    /// X_k.
-    found: Solution,
-    /// The point of the solution before.
-    before: Vec<f64>,
+    parts: Vec<Solution>,
+    weights: Vec<f64>,
+    /// Indices of the recorded problems whose solutions are the parts.
+    recorded: Vec<usize>,
 }
 
 impl Smoothing {
@@ -55,48 +55,69 @@ impl Smoothing {
         if weight == 1.0 {
             return;
         }
-        let Self { relaxed, regularity, found, before } = self;
-        let mut parts: Vec<Part> = Vec::new();
-        let mut note = |weight: f64, record: Option<&Record>| {
-            parts.extend(record.map(|record| Part { problem: record.last(), weight }));
-        };
-        note(weight, engine.record.as_ref());
-        found.copy_from(solution);
-        relaxed.start(levels, hard, engine, found);
-        // What the solutions so far leave to the others.
-        let mut rest = 1.0 - weight;
-        let most = first_unmet.map_or(count, |level| most_kept(regularity, levels, level, damping)).max(hard);
+        let exact = engine.record.as_ref().map(Record::last);
+        self.relaxed.start(levels, hard, engine, solution);
+        self.weights.clear();
+        self.parts.resize_with((count - hard + 1).max(self.parts.len()), Solution::default);
+        self.parts[0].copy_from(solution);
+        self.recorded.clear();
+        self.recorded.extend(exact);
+        let mut part = 0;
+        let most = first_unmet.map_or(count, |level| self.most_kept(levels, level, damping)).max(hard);
         for kept in (hard..count.min(most + 1)).rev() {
-            if kept > hard && !relaxed.has_time_for(levels, kept) {
+            if kept > hard && !self.relaxed.has_time_for(levels, kept) {
                 solution.certainty.is_optimal = false;
                 continue;
             }
-            before.clone_from(&found.x);
-            relaxed.solve(levels, kept, damping, engine, found);
-            // x^(K) = X_K + Σ rest_k (X_k − X_{k+1}): the same bits where these are the same.
-            for (x, (after, before)) in solution.x.iter_mut().zip(found.x.iter().zip(&*before)) {
-                *x += rest * (after - before);
-            }
-            weight = if kept == hard { 1.0 } else { regularity.of(levels, kept, found, damping.threshold()) };
-            note(rest * weight, engine.record.as_ref());
-            rest *= 1.0 - weight;
-            solution.certainty.add(&found.certainty);
+            self.weights.push(weight);
+            part += 1;
+            let found = &mut self.parts[part];
+            self.relaxed.solve(levels, kept, damping, engine, found);
+            self.recorded.extend(engine.record.as_ref().map(Record::last));
+            weight = if kept == hard { 1.0 } else { self.regularity.of(levels, kept, found, damping.threshold()) };
             if weight == 1.0 {
                 break;
             }
         }
-        solution.certainty.add(&relaxed.free.certainty);
-        levels.settle(solution, found);
+        self.blend(part, levels, solution);
         if let Some(record) = &mut engine.record {
-            record.set_answer(parts);
+            record.set_answer(self.recorded_parts());
         }
     }
-}
 
-/// Returns the largest k < K whose s_k may be above zero, where `unmet` is the first level that is not met. That level itself
-/// can be regular by columns only.
-fn most_kept(regularity: &mut Regularity, levels: &Hierarchy, unmet: usize, damping: Damping) -> usize {
-    unmet + usize::from(regularity.column_regularity(levels, unmet + 1, damping.threshold()) > 0.0)
+    /// Returns the largest k < K whose s_k may be above zero, where `unmet` is the first level that is not met. That level
+    /// itself can be regular by columns only.
+    fn most_kept(&mut self, levels: &Hierarchy, unmet: usize, damping: Damping) -> usize {
+        let determines = self.regularity.column_regularity(levels, unmet + 1, damping.threshold()) > 0.0;
+        unmet + usize::from(determines)
+    }
+
+    /// Returns the recorded parts of the blend, X_K first, with the weight that each has in the answer.
+    fn recorded_parts(&self) -> Vec<Part> {
+        let mut rest = 1.0;
+        let weights = self.weights[..self.recorded.len() - 1].iter().chain([&1.0]);
+        let part = |(&problem, weight): (&usize, &f64)| {
+            let part = Part { problem, weight: rest * weight };
+            rest *= 1.0 - weight;
+            part
+        };
+        self.recorded.iter().zip(weights).map(part).collect()
+    }
+
+    /// Blends the parts from the last one, X_k with the fewest exact levels, to the first one, X_K.
+    fn blend(&mut self, last: usize, levels: &Hierarchy, solution: &mut Solution) {
+        solution.x.clone_from(&self.parts[last].x);
+        for part in (0..last).rev() {
+            let weight = self.weights[part];
+            for (x, other) in solution.x.iter_mut().zip(&self.parts[part].x) {
+                *x += weight * (other - *x);
+            }
+        }
+        for part in self.parts[1..=last].iter().chain([&self.relaxed.free]) {
+            solution.certainty.add(&part.certainty);
+        }
+        levels.settle(solution, &self.parts[last]);
+    }
 }
 
 /// Returns the highest level that leaves a residual above rounding; `None` without one, or if it has damping rows.
