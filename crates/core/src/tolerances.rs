@@ -37,6 +37,9 @@ pub struct Tolerances {
     pub reflection_error: f64,
     /// A squared length that was kept up to date by subtraction is summed again below this fraction of the last sum.
     pub trusted_square: f64,
+    /// Error of the square of a singular value, relative to the square of the damping threshold, at which the search for it ends:
+    /// far below what an answer shows, and far above rounding, which would make it go on.
+    pub secant: f64,
     /// Cosine of the angle between two rows that counts as rounding in Jacobi's rotations.
     pub orthogonal: f64,
 
@@ -56,9 +59,10 @@ pub struct Tolerances {
     pub cascade_flat: f64,
     /// Bounds that are met within this distance of each other, relative to the speeds, are met at once.
     pub cascade_at_once: f64,
-    /// Relative sizes that count as rounding where working sets repeat in the last resort: a smaller one where rows nearly
-    /// depend on each other, so that multipliers are small, and larger ones where several sets describe the same corner.
-    pub other_roundings: [f64; 5],
+    /// Relative sizes that count as rounding, the next one where working sets repeat in the last resort. The first one is
+    /// [`Self::rounding`]. Then a smaller one where rows nearly depend on each other, so that multipliers are small, and larger
+    /// ones where several sets describe the same corner.
+    pub roundings: [f64; 6],
 
     // Explanations.
     /// A weight of a proof of contradiction below this fraction of the largest one is rounding. So is what a level misses, below
@@ -84,6 +88,7 @@ pub const TOLERANCES: Tolerances = Tolerances {
     singular_value_margin: 1e-9,
     reflection_error: 4e-15,
     trusted_square: 0.1,
+    secant: 1e-13,
     orthogonal: 1e-15,
     search_spacing: 1e-6,
     search_least_weight: 1e-40,
@@ -92,7 +97,7 @@ pub const TOLERANCES: Tolerances = Tolerances {
     cascade_dependent: 1e-10,
     cascade_flat: 1e-15,
     cascade_at_once: 1e-13,
-    other_roundings: [5e-15, 1e-12, 1e-11, 1e-10, 1e-9],
+    roundings: [1e-13, 5e-15, 1e-12, 1e-11, 1e-10, 1e-9],
     proof_weight: 1e-9,
     scaled_direction: 1e-11,
     scaled_rest: 1e-14,

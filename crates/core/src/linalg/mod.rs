@@ -1,5 +1,5 @@
 //! The linear algebra that is not in nalgebra: padded rows, singular values that are right where they coincide, the smallest
-//! singular value of a triangle, damping.
+//! eigenvalue of a symmetric matrix, damping.
 
 mod damping;
 mod row;
@@ -10,9 +10,9 @@ mod triangle;
 pub use damping::DampingFactor;
 pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
-pub use singular_values::SingularValues;
+pub use singular_values::{SingularValues, smallest_and_product};
 pub use svd::Svd;
-pub use triangle::{smallest_and_product, smallest_eigenvalue, smallest_from_inverse, write_inverse};
+pub use triangle::{cholesky, smallest_eigenvalue, write_inverse};
 
 use crate::tolerances::TOLERANCES;
 

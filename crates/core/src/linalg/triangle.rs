@@ -1,100 +1,73 @@
-//! The smallest singular value of a well-conditioned lower triangle, and the smallest eigenvalue of a symmetric matrix.
+//! The inverse of a lower triangle; the Cholesky factor and the smallest eigenvalue of a symmetric matrix.
 
-use super::{Matrix, Row};
+use super::{Row, dot};
 
-/// Returns σ_min and the product of the singular values of a matrix with independent rows, at most as many as columns and at
-/// most 136; both are 0 without rows.
-///
-/// They are those of the triangle L in A = L Qᵀ: σ_min = 1/‖L⁻¹‖₂ from the largest eigenvalue of (L⁻¹)ᵀ L⁻¹. Squares lose digits
-/// of small values only, so it is exact to rounding. The product is |det L|.
-pub fn smallest_and_product(matrix: &Matrix) -> (f64, f64) {
-    match matrix.ncols() {
-        _ if matrix.nrows() == 0 => (0.0, 0.0),
-        0..=8 => smallest_and_product_of_width::<8>(matrix),
-        9..=40 => smallest_and_product_of_width::<40>(matrix),
-        _ => smallest_and_product_of_width::<136>(matrix),
-    }
-}
-
-fn smallest_and_product_of_width<const N: usize>(matrix: &Matrix) -> (f64, f64) {
-    let mut rows = vec![Row::<N>::ZERO; matrix.nrows()];
-    for (j, column) in matrix.as_slice().chunks_exact(matrix.nrows()).enumerate() {
-        rows.iter_mut().zip(column).for_each(|(row, entry)| row.0[j] = *entry);
-    }
-    let mut product = 1.0;
-    for c in 0..rows.len() {
-        product *= reflect_rows(&mut rows[c..], c);
-    }
-    let mut inverse = Vec::with_capacity(rows.len());
-    let with_reciprocals = rows.iter().enumerate().map(|(i, row)| (row, 1.0 / row.0[i]));
-    let size = write_inverse(with_reciprocals, &mut inverse);
-    (smallest_from_inverse(&inverse, size, &mut rows), product)
-}
-
-/// Reflects the columns from c on so that the first row ends at the diagonal; returns the length of what it had from there on.
-fn reflect_rows<const N: usize>(rows: &mut [Row<N>], c: usize) -> f64 {
-    let [row, later @ ..] = rows else { return 1.0 };
-    let mut v = *row;
-    v.0[..c].fill(0.0);
-    let (length, head) = (v.norm(), v.0[c]);
-    let alpha = -length.copysign(head);
-    v.0[c] -= alpha;
-    let gain = 1.0 / (length * (length + head.abs()));
-    for row in later {
-        row.add_scaled(-gain * v.dot(row), &v);
-    }
-    row.0[c..].fill(0.0);
-    row.0[c] = alpha;
-    length
-}
-
-/// Returns σ_min of a triangle from its inverse and the norm of that, the results of [`write_inverse`]; `gram` is room.
-pub fn smallest_from_inverse<const N: usize>(inverse: &[Row<N>], size: f64, gram: &mut Vec<Row<N>>) -> f64 {
-    let n = inverse.len();
-    if !(size.is_normal() && n > 1) {
-        return 1.0 / size;
-    }
-    let unit = 1.0 / size;
-    gram.clear();
-    gram.resize(n, Row::<N>::ZERO);
-    for (i, row) in inverse.iter().enumerate() {
-        for (gram, entry) in gram.iter_mut().zip(&row.0[..=i]) {
-            gram.add_scaled(entry * unit * unit, row);
-        }
-    }
-    let (diagonal, off_square) = tridiagonal(gram);
-    1.0 / (size * largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]).sqrt())
-}
-
-/// Returns the smallest eigenvalue of a positive semidefinite matrix M, exact to the rounding of its trace t. `matrix` holds the
-/// rows of M and is overwritten.
+/// Returns the smallest eigenvalue of a positive semidefinite matrix M of this size, exact to the rounding of its trace t. M is
+/// overwritten.
 ///
 /// It is t (1 − x) for the largest eigenvalue x of I − M/t.
-pub fn smallest_eigenvalue<const N: usize>(matrix: &mut [Row<N>]) -> f64 {
-    let n = matrix.len();
-    let trace: f64 = matrix.iter().enumerate().map(|(i, row)| row.0[i]).sum();
-    if !(trace.is_normal() && n > 1) {
+pub fn smallest_eigenvalue(matrix: &mut [f64], size: usize, scratch: &mut Vec<f64>) -> f64 {
+    let trace: f64 = matrix.iter().step_by(size + 1).sum();
+    if !(trace.is_normal() && size > 1) {
         return trace;
     }
-    for row in matrix.iter_mut() {
-        row.0.iter_mut().for_each(|entry| *entry /= trace);
+    for entry in &mut *matrix {
+        *entry /= trace;
     }
-    let (mut diagonal, off_square) = tridiagonal(matrix);
-    diagonal.0.iter_mut().for_each(|entry| *entry = 1.0 - *entry);
-    let largest = largest_eigenvalue(&diagonal.0[..n], &off_square.0[..n]);
-    trace * (1.0 - largest).max(0.0)
+    scratch.clear();
+    scratch.resize(3 * size, 0.0);
+    let (diagonal, rest) = scratch.split_at_mut(size);
+    let (off_square, w) = rest.split_at_mut(size);
+    for k in (0..size).rev() {
+        let (before, row) = matrix.split_at_mut(k * size);
+        diagonal[k] = 1.0 - row[k];
+        if k > 0 {
+            off_square[k - 1] = reduce(before, size, &mut row[..k], w);
+        }
+    }
+    trace * (1.0 - largest_eigenvalue(diagonal, off_square)).max(0.0)
 }
 
-/// Reduces a symmetric matrix to a tridiagonal one with the same eigenvalues; returns its diagonal and the squares beside it.
-fn tridiagonal<const N: usize>(matrix: &mut [Row<N>]) -> (Row<N>, Row<N>) {
-    let (mut diagonal, mut off_square) = (Row::ZERO, Row::ZERO);
-    for k in (1..matrix.len()).rev() {
-        let (before, row) = matrix.split_at_mut(k);
-        diagonal.0[k] = row[0].0[k];
-        off_square.0[k - 1] = reduce(before, &row[0], k);
+/// Reflects the first k rows and columns of a symmetric matrix so that of the next row, whose first k entries are `v`, one entry
+/// before the diagonal is left; returns its square. `w` is scratch.
+fn reduce(matrix: &mut [f64], stride: usize, v: &mut [f64], w: &mut [f64]) -> f64 {
+    let k = v.len();
+    let (square, head) = (dot(v, v), v[k - 1]);
+    if square == 0.0 || k == 1 {
+        return square;
     }
-    diagonal.0[0] = matrix[0].0[0];
-    (diagonal, off_square)
+    let (length, w) = (square.sqrt(), &mut w[..k]);
+    v[k - 1] += length.copysign(head);
+    let gain = 1.0 / (length * (length + head.abs()));
+    // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
+    for (row, w) in matrix.chunks_exact(stride).zip(&mut *w) {
+        *w = gain * dot(&row[..k], v);
+    }
+    let half = 0.5 * gain * dot(w, v);
+    w.iter_mut().zip(&*v).for_each(|(w, v)| *w -= half * v);
+    for (i, row) in matrix.chunks_exact_mut(stride).enumerate() {
+        let (v_i, w_i) = (v[i], w[i]);
+        for (entry, (v, w)) in row.iter_mut().zip(v.iter().zip(&*w)) {
+            *entry -= v_i * w + w_i * v;
+        }
+    }
+    square
+}
+
+/// Factorises M = L Lᵀ in place, in the lower triangle; returns whether M is positive definite.
+pub fn cholesky(matrix: &mut [f64], size: usize) -> bool {
+    for i in 0..size {
+        let (above, row) = matrix.split_at_mut(i * size);
+        for (j, other) in above.chunks_exact(size).enumerate() {
+            row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+        }
+        let rest = row[i] - dot(&row[..i], &row[..i]);
+        if !(rest > 0.0) {
+            return false;
+        }
+        row[i] = rest.sqrt();
+    }
+    true
 }
 
 /// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.
@@ -114,39 +87,6 @@ pub fn write_inverse<'a, const N: usize>(
         inverse.push(inverse_row);
     }
     square.sqrt()
-}
-
-/// Reflects the first k rows and columns of a symmetric matrix so that row k keeps one entry before the diagonal; returns
-/// the square of that entry.
-fn reduce<const N: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
-    // Short rows take part with their first group alone.
-    if k <= 4 { reduce_width::<N, 4>(matrix, row, k) } else { reduce_width::<N, N>(matrix, row, k) }
-}
-
-/// The same with the first W entries of each row, k at most.
-fn reduce_width<const N: usize, const W: usize>(matrix: &mut [Row<N>], row: &Row<N>, k: usize) -> f64 {
-    let mut v = Row::<W>::from_slice(&row.0[..k]);
-    let square = v.dot(&v);
-    if square == 0.0 || k == 1 {
-        return square;
-    }
-    let length = square.sqrt();
-    let head = v.0[k - 1];
-    v.0[k - 1] += length.copysign(head);
-    let gain = 1.0 / (length * (length + head.abs()));
-    // p = g M v, w = p − (g/2)(pᵀv) v, M ← M − v wᵀ − w vᵀ.
-    let mut w = Row::<W>::ZERO;
-    for (row, w) in matrix.iter().zip(&mut w.0) {
-        *w = gain * Row::<W>::from_slice(&row.0[..W]).dot(&v);
-    }
-    let half = 0.5 * gain * w.dot(&v);
-    w.add_scaled(-half, &v);
-    for (row, (v_i, w_i)) in matrix.iter_mut().zip(v.0.iter().zip(&w.0)) {
-        for (entry, (v, w)) in row.0[..W].iter_mut().zip(v.0.iter().zip(&w.0)) {
-            *entry -= v_i * w + w_i * v;
-        }
-    }
-    square
 }
 
 /// Maximum number of steps. About four are needed.
@@ -226,33 +166,4 @@ fn upper_bound(diagonal: &[f64], off_square: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-#[allow(non_snake_case)]
-mod tests {
-    use super::*;
-    use crate::linalg::Matrix;
-
-    /// M = H diag(λ) H for a reflection H, with λ_min from 0 to about the trace, alone, several times, and with others close to it.
-    #[test]
-    fn the_smallest_eigenvalue_is_exact_to_the_rounding_of_the_trace() {
-        for size in [1, 2, 3, 5, 8] {
-            for (smallest, apart) in [0.0, 1e-12, 1e-6, 1e-3, 0.5, 1.0]
-                .into_iter()
-                .flat_map(|smallest| [0.0, 1e-12, 1e-8, 1e-6, 1e-4, 1e-2].map(|apart| (smallest, apart)))
-            {
-                for copies in 1..=size {
-                    let lambda = |i: usize| smallest + if i < copies { apart * i as f64 } else { (i * i) as f64 };
-                    let v = Matrix::from_fn(size, 1, |i, _| 1.0 + (3 * i % 5) as f64);
-                    let H = Matrix::identity(size, size) - 2.0 / v.norm_squared() * &v * v.transpose();
-                    let M = &H * Matrix::from_fn(size, size, |i, j| if i == j { lambda(i) } else { 0.0 }) * &H;
-                    let mut rows: Vec<Row<8>> =
-                        (0..size).map(|i| Row::from_slice(&(0..size).map(|j| M[(i, j)]).collect::<Vec<_>>())).collect();
-                    let found = smallest_eigenvalue(&mut rows);
-                    assert!(
-                        (found - smallest).abs() <= 1e-13 * (1.0 + M.trace()),
-                        "{size} {smallest} {apart} {copies}: {found:e}"
-                    );
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -162,7 +162,7 @@ impl PlanRun {
                 factor
             }
             Step::Levels => {
-                if known.iter().any(|task| task.strict > 0.0) {
+                if !singularities.is_regular {
                     damped.certainty.kkt_residual = strict.lower(problem, factors, before, targets);
                 }
                 0.0

@@ -2,13 +2,11 @@
 
 use super::hierarchy::Hierarchy;
 use super::solution::{Solution, refill};
-use crate::linalg::{Matrix, Row, dot, smallest_eigenvalue};
+use crate::linalg::{cholesky, dot, smallest_eigenvalue};
+use crate::tolerances::TOLERANCES;
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
 pub const HALF_WIDTH: f64 = 1.0;
-
-/// Rows beyond which their Gram matrix would cost more than the elimination of rows.
-const MAX_GRAM: usize = 40;
 
 /// Steps of the secant method. Four or five reach rounding.
 const MAX_SECANTS: u32 = 20;
@@ -23,8 +21,7 @@ pub struct Regularity {
     row_room: Vec<f64>,
     gram: Vec<f64>,
     factor: Vec<f64>,
-    narrow: Vec<Row<8>>,
-    wide: Vec<Row<40>>,
+    scratch: Vec<f64>,
     /// Rows of tasks and inequalities, without damping rows.
     counted: Vec<usize>,
     /// c² and the rows themselves, ascending, and the rows of A C in that order.
@@ -65,27 +62,38 @@ impl Regularity {
         refill(&mut self.row_room, rows.map(|(&value, row)| room(value, row.lower, row.upper)));
     }
 
-    /// Returns the regularity of the first `end` rows: from the smallest singular value of [A C, diag(c)], with C the room of
-    /// the unknowns and c that of the rows, 0 for equations.
+    /// Returns the regularity of the first `end` rows, smoothstep(σ_min/threshold) for [A C, diag(c)], with C the room of the unknowns
+    /// and c that of the rows, 0 for equations: work in proportion to the number of rows.
+    ///
+    /// Of A C² Aᵀ + diag(c²) − λ I, the rows R with much room are eliminated. The rest is S(λ) − λ I, and the smallest eigenvalue
+    /// is the λ that is the smallest eigenvalue θ of S(λ). θ falls with λ and is concave.
     fn row_regularity(&mut self, levels: &Hierarchy, end: usize, threshold: f64) -> f64 {
-        let Self { room, row_room, gram, counted, .. } = self;
-        let rows = counted.partition_point(|&row| row < end);
-        if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > levels.unknowns {
+        let Self { row_room, counted, .. } = self;
+        let (n, rows) = (levels.unknowns, counted.partition_point(|&row| row < end));
+        if counted[..rows].iter().filter(|&&row| row_room[row] == 0.0).count() > n {
             return 0.0;
         }
-        if rows > MAX_GRAM {
-            return self.regularity_of_many(levels, rows, threshold);
+        let Some(most) = self.split_rows(levels, rows, threshold * threshold) else { return 1.0 };
+        self.write_rest(n, most);
+        if exceeds(&self.gram, self.kept, most, &mut self.factor) {
+            return smooth(most.sqrt() / threshold);
         }
-        refill(gram, std::iter::repeat_n(0.0, rows * rows));
-        for (place, &i) in counted[..rows].iter().enumerate() {
-            for (other, &j) in counted[..=place].iter().enumerate() {
-                let product = levels.row(i).iter().zip(levels.row(j)).zip(room.iter());
-                let sum: f64 = product.map(|((a, b), c)| a * b * c * c).sum();
-                let sum = sum + if i == j { row_room[i] * row_room[i] } else { 0.0 };
-                (gram[place * rows + other], gram[other * rows + place]) = (sum, sum);
+        let (mut low, mut high) = (0.0_f64, most);
+        let (mut last, mut missing) = (most, self.smallest_of_rest() - most);
+        // Neither rounding nor a number that is none leaves the interval.
+        let inside = |lambda: f64, low: f64, high: f64| lambda.max(low).min(high);
+        let mut next = inside(most + missing, 0.0, most);
+        for _ in 0..if self.kept < rows { MAX_SECANTS } else { 0 } {
+            let excess = self.smallest_at(n, next) - next;
+            (low, high) = if excess > 0.0 { (next, high.min(next + excess)) } else { (low.max(next + excess), next) };
+            let slope = (excess - missing) / (next - last);
+            (last, missing) = (next, excess);
+            next = inside(last - excess / slope, low, high);
+            if excess.abs() <= TOLERANCES.secant * most || next == last || slope.is_nan() {
+                break;
             }
         }
-        self.regularity_of_gram(rows, threshold)
+        smooth(next.max(0.0).sqrt() / threshold)
     }
 
     /// Returns the regularity of the columns of the equations of the first `kept` levels.
@@ -101,49 +109,11 @@ impl Regularity {
                 sums.iter_mut().zip(row).for_each(|(sum, other)| *sum += entry * other);
             }
         }
-        self.regularity_of_gram(n, threshold)
-    }
-
-    /// Returns smoothstep(σ_min/threshold) of a matrix from its Gram matrix, of `size` rows.
-    fn regularity_of_gram(&mut self, size: usize, threshold: f64) -> f64 {
-        let Self { gram, factor, narrow, wide, .. } = self;
-        factor.clone_from(gram);
-        if exceeds(factor, size, threshold * threshold) {
+        if exceeds(&self.gram, n, threshold * threshold, &mut self.factor) {
             return 1.0;
         }
-        let smallest = smallest_of_any(gram, size, narrow, wide);
+        let smallest = smallest_eigenvalue(&mut self.gram, n, &mut self.scratch);
         smooth(smallest.max(0.0).sqrt() / threshold)
-    }
-
-    /// The same as [`Self::row_regularity`] for the first `rows` of many rows: work in proportion to their number.
-    ///
-    /// Of A C² Aᵀ + diag(c²) − λ I, the rows R with much room are eliminated. The rest is S(λ) − λ I, and the smallest eigenvalue
-    /// is the λ that is the smallest eigenvalue θ of S(λ). θ falls with λ and is concave.
-    fn regularity_of_many(&mut self, levels: &Hierarchy, rows: usize, threshold: f64) -> f64 {
-        let n = levels.unknowns;
-        let square = threshold * threshold;
-        let Some(most) = self.split_rows(levels, rows, square) else { return 1.0 };
-        self.write_rest(n, most);
-        self.factor.clone_from(&self.gram);
-        if exceeds(&mut self.factor, self.kept, most) {
-            return smooth(most.sqrt() / threshold);
-        }
-        let (mut low, mut high) = (0.0_f64, most);
-        let (mut last, mut missing) = (most, self.smallest_of_rest() - most);
-        // Neither rounding nor a number that is none leaves the interval.
-        let inside = |lambda: f64, low: f64, high: f64| lambda.max(low).min(high);
-        let mut next = inside(most + missing, 0.0, most);
-        for _ in 0..MAX_SECANTS {
-            let excess = self.smallest_at(n, next) - next;
-            (low, high) = if excess > 0.0 { (next, high.min(next + excess)) } else { (low.max(next + excess), next) };
-            let slope = (excess - missing) / (next - last);
-            (last, missing) = (next, excess);
-            next = inside(last - excess / slope, low, high);
-            if excess.abs() <= 4.0 * f64::EPSILON * most || next == last || slope.is_nan() {
-                break;
-            }
-        }
-        smooth(last.max(0.0).sqrt() / threshold)
     }
 
     /// Sorts rows by their room and writes A C; those with the least are kept, the rest is R. Returns a bound of the smallest
@@ -170,8 +140,7 @@ impl Regularity {
     }
 
     fn smallest_of_rest(&mut self) -> f64 {
-        let Self { gram, narrow, wide, kept, .. } = self;
-        smallest_of_any(gram, *kept, narrow, wide)
+        smallest_eigenvalue(&mut self.gram, self.kept, &mut self.scratch)
     }
 
     /// Writes S(λ) = diag(c²) + A C P⁻¹ C Aᵀ over the kept rows into `gram`, with P = I + Σ_R (C a)(C a)ᵀ/(c² − λ).
@@ -186,7 +155,7 @@ impl Regularity {
             }
         }
         // P is at least I.
-        exceeds(factor, n, 0.0);
+        cholesky(factor, n);
         // u = L⁻¹ C a for each kept row, behind S.
         let count = *kept;
         refill(gram, std::iter::repeat_n(0.0, count * (count + n)));
@@ -213,22 +182,6 @@ fn smooth(ratio: f64) -> f64 {
     ratio * ratio * (3.0 - 2.0 * ratio)
 }
 
-/// Returns the smallest eigenvalue of a Gram matrix; `narrow` and `wide` are room.
-fn smallest_of_any(gram: &[f64], size: usize, narrow: &mut Vec<Row<8>>, wide: &mut Vec<Row<40>>) -> f64 {
-    match size {
-        0..=8 => smallest_of(gram, size, narrow),
-        9..=40 => smallest_of(gram, size, wide),
-        // This allocates.
-        _ => Matrix::from_row_slice(size, size, gram).symmetric_eigenvalues().min(),
-    }
-}
-
-/// Returns the smallest eigenvalue of a Gram matrix of up to N rows; `rows` is room.
-fn smallest_of<const N: usize>(gram: &[f64], size: usize, rows: &mut Vec<Row<N>>) -> f64 {
-    refill(rows, gram.chunks_exact(size).map(Row::from_slice));
-    smallest_eigenvalue(rows)
-}
-
 /// Returns the distance to the nearer bound, relative to half the width between the bounds, at most 1.
 fn room(value: f64, lower: f64, upper: f64) -> f64 {
     let half_width = 0.5 * (upper - lower);
@@ -237,92 +190,12 @@ fn room(value: f64, lower: f64, upper: f64) -> f64 {
     if distance == 0.0 { 0.0 } else { (distance / half_width).min(1.0) }
 }
 
-/// Returns whether all eigenvalues of a symmetric matrix exceed `bound`, by Cholesky's factorisation in place.
-fn exceeds(matrix: &mut [f64], size: usize, bound: f64) -> bool {
-    for i in 0..size {
-        matrix[i * size + i] -= bound;
-        for j in 0..=i {
-            let sum = dot(&matrix[i * size..][..j], &matrix[j * size..][..j]);
-            let rest = matrix[i * size + j] - sum;
-            matrix[i * size + j] = if i > j {
-                rest / matrix[j * size + j]
-            } else if rest > 0.0 {
-                rest.sqrt()
-            } else {
-                return false;
-            };
-        }
-    }
-    true
+/// Returns whether all eigenvalues of a symmetric matrix exceed `bound`; `factor` is scratch.
+fn exceeds(matrix: &[f64], size: usize, bound: f64, factor: &mut Vec<f64>) -> bool {
+    refill(factor, matrix.iter().copied());
+    factor.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound);
+    cholesky(factor, size)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::resolution::hierarchy::Demand;
-
-    /// Reproducible numbers between −1 and 1.
-    fn numbers() -> impl FnMut() -> f64 {
-        let mut state = 1_u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
-
-    /// Equations and inequality rows, some at their bounds, over joints, some of which have no room.
-    #[test]
-    fn elimination_of_rows_and_the_gram_matrix_give_the_same_regularity() {
-        let mut number = numbers();
-        let (n, threshold) = (6, 0.3);
-        let mut between = 0;
-        for _ in 0..300 {
-            let mut levels = Hierarchy::default();
-            levels.clear(&[0.0; 6]);
-            for _ in 0..12 {
-                levels.push_row((0..n).map(|_| number()).collect::<Vec<_>>(), Demand::between(0.0, 1.0, None));
-            }
-            levels.end_level();
-            let mut regularity = Regularity {
-                room: (0..n).map(|_| number().max(0.0)).collect(),
-                row_room: (0..12).map(|i| if i < 3 { 0.0 } else { number().abs() }).collect(),
-                counted: (0..12).collect(),
-                ..Regularity::default()
-            };
-            let expected = regularity.row_regularity(&levels, 12, threshold);
-            let found = regularity.regularity_of_many(&levels, 12, threshold);
-            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
-            between += u32::from(0.01 < expected && expected < 0.99);
-        }
-        assert!(between > 30, "{between}");
-    }
-
-    #[test]
-    fn rows_beyond_the_range_of_numbers_end_the_secants() {
-        let mut levels = Hierarchy::default();
-        levels.clear(&[0.0; 2]);
-        for row in [[1e200, 0.0], [0.0, 1e200], [1e-200, 1e200]] {
-            levels.push_row(row, Demand::between(0.0, 1.0, None));
-        }
-        levels.end_level();
-        let mut regularity = Regularity {
-            room: vec![1.0; 2],
-            row_room: vec![0.0, 0.0, 0.5],
-            counted: (0..3).collect(),
-            ..Regularity::default()
-        };
-        let found = regularity.regularity_of_many(&levels, 3, 1.0);
-        assert!((0.0..=1.0).contains(&found), "{found}");
-    }
-
-    #[test]
-    fn a_threshold_that_is_hardly_a_number_gives_no_regularity() {
-        let mut levels = Hierarchy::default();
-        levels.clear(&[0.0]);
-        levels.push_row([0.0], Demand::between(0.0, 1.0, None));
-        levels.end_level();
-        let mut regularity =
-            Regularity { room: vec![0.0], row_room: vec![0.0], counted: vec![0], ..Regularity::default() };
-        assert_eq!(regularity.regularity_of_many(&levels, 1, 5e-324), 0.0);
-    }
-}
+mod tests;

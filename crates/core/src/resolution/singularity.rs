@@ -2,7 +2,6 @@
 
 use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
-use super::plan::{Step, examined_step};
 use super::solution::refill;
 use super::solver::SizedSolver;
 use crate::linalg::{DampingFactor, SingularValues, distance_square, smallest_and_product};
@@ -25,8 +24,6 @@ pub struct TaskSingularity {
     pub mu: f64,
     /// λ_k from σ_min(J_k^RP): the conflict of the task with the lower ones.
     pub lambda: f64,
-    /// Damping of the strict hierarchy, from σ_min of J_k in the null space of all higher tasks.
-    pub strict: f64,
 }
 
 impl TaskSingularity {
@@ -99,8 +96,7 @@ impl Singularities {
         let independent = threshold.max(TOLERANCES.certain_rank * norm);
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
-        let smallest =
-            if solver.has_independent_rows() { solver.bound_smallest(norm, sure, independent) } else { f64::NAN };
+        let smallest = solver.bound_smallest(norm, sure, independent);
         self.is_regular = smallest >= regular;
         self.reference.clear();
         if keep && self.is_regular && has_only_equations {
@@ -112,7 +108,7 @@ impl Singularities {
             refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         } else {
             refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
-            self.examine_each(problem, solver);
+            self.examine_each(problem);
         }
         if has_only_equations {
             return;
@@ -124,11 +120,8 @@ impl Singularities {
     }
 
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
-    fn examine_each(&mut self, problem: &Problem, solver: &mut dyn SizedSolver) {
+    fn examine_each(&mut self, problem: &Problem) {
         let (tasks, damping) = (problem.tasks.tasks(), problem.damping);
-        // A level per task, after that of the constraints.
-        let first_level = (examined_step(problem.method) == Step::Levels)
-            .then_some(usize::from(problem.constraint_rows().next().is_some()));
         // The smallest singular value is only computed where it matters.
         let factor = |singular: &SingularValues| {
             damping
@@ -150,10 +143,7 @@ impl Singularities {
             }
             let rank_all = self.rank(norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
-            let strict = damping
-                .zip(first_level)
-                .map_or(0.0, |(damping, first)| damping.factor(solver.smallest_of_level(first + k)));
-            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular), strict };
+            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular) };
             rank_below = rank_all;
         }
         let product = if lowest.is_none() { 0.0 } else { self.singular.product().min(f64::MAX) };

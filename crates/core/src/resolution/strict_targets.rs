@@ -33,16 +33,19 @@ pub struct StrictTargets {
     svd: Svd,
     point: Vec<f64>,
     residual: Vec<f64>,
+    /// Whether a task is damped.
+    acts: bool,
 }
 
 impl StrictTargets {
-    /// Sets the targets of the tasks to what damping leaves of them; returns the largest relative residual of the optimality
+    /// Sets the targets of the tasks to what damping leaves of them, if it acts; returns the largest relative residual of the optimality
     /// conditions. Inequality tasks take no part.
     pub fn lower(&mut self, problem: &Problem, damping: Damping, zeta: &[f64], targets: &mut [f64]) -> f64 {
         let tasks = problem.tasks.tasks();
         let n = zeta.len();
         let is_at_rest = zeta.iter().all(|&entry| entry == 0.0);
         let lowest = tasks.iter().rposition(Task::is_equation);
+        self.acts = false;
         self.spare.append(&mut self.chains);
         let mut first = self.spare.pop().unwrap_or_default();
         (first.weight, first.weakest) = (1.0, 1.0);
@@ -59,6 +62,9 @@ impl StrictTargets {
                 kkt_residual = kkt_residual.max(self.add_task(&mut chain, task, target, damping, fades));
                 self.chains[place] = chain;
             }
+        }
+        if !self.acts {
+            return 0.0;
         }
         refill(&mut self.point, std::iter::repeat_n(0.0, n));
         for Chain { weight, point, kept, .. } in &self.chains {
@@ -88,6 +94,7 @@ impl StrictTargets {
         let open = self.svd.count().min(n - chain.kept.len() / n);
         let rank = self.svd.rank(TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
+        self.acts |= lambda > 0.0;
         let kkt_residual = self.step(chain, task, target, rank, lambda);
         let keeps = |svd: &Svd, place: usize| damping.keeps(svd.sigma(place));
         let weak = (0..rank).rev().take_while(|&place| fades && keeps(&self.svd, place) < 1.0).count();

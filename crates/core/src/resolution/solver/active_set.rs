@@ -3,7 +3,6 @@
 use super::cascade::Cascade;
 use super::conditions::{Conditions, Trial};
 use super::factorization::Factorization;
-use super::primal::PrimalPoint;
 use super::problem_rows::ProblemRows;
 use super::rungs::{Rung, Rungs};
 use super::search::Search;
@@ -15,9 +14,8 @@ use crate::tolerances::TOLERANCES;
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
 const GUESSED_TRIALS: u32 = 3;
 
-/// Corrections of everything that is wrong in the proposal of the cascade, before the last resort. One is needed where rounding
-/// decides whether a bound that is met exactly is active.
-const MAX_CORRECTIONS: u32 = 3;
+/// How often all sizes that may count as rounding are tried in the last resort.
+const TURNS: usize = 2;
 
 /// Working sets after which an attempt gives up: the most of them, and the fewest where each is expensive.
 const MAX_SETS: u32 = 400;
@@ -44,37 +42,16 @@ pub struct ActiveSetSolver<const N: usize> {
     cascade: Cascade<N>,
     /// Where the cascade ended in this attempt.
     cascade_point: Option<Row<N>>,
-    primal: PrimalPoint<N>,
+    /// Sets of the last resort in this attempt, the fewest wrong bounds of one of them, one of them to notice that they repeat, and
+    /// how often they did.
+    corrections: u32,
+    fewest_wrong: usize,
+    mark: WorkingSet,
+    repetitions: usize,
+    /// The inverse of the triangle, to bound its singular values.
+    pub inverse: Vec<Row<N>>,
     /// How often each way to a working set was needed so far.
     pub rungs: Rungs,
-}
-
-/// Where a working set comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Source {
-    /// From the call before, corrected at most twice; or nothing is held.
-    Guess,
-    /// From the search.
-    Search,
-    /// From the cascade, corrected as many times.
-    Cascade(u32),
-    /// From steps of the primal method, with as many of [`TOLERANCES.other_roundings`] used up.
-    Primal(usize),
-}
-
-impl Source {
-    /// Returns what a working set counts as; `tried`: sets so far.
-    fn rung(self, tried: u32) -> Rung {
-        match self {
-            Self::Guess if tried <= 1 => Rung::Start,
-            Self::Guess => Rung::StartCorrected,
-            Self::Search => Rung::Search,
-            Self::Cascade(0) => Rung::Cascade,
-            Self::Cascade(_) => Rung::CascadeCorrected,
-            Self::Primal(0) => Rung::LastResort,
-            Self::Primal(_) => Rung::OtherRounding,
-        }
-    }
 }
 
 impl<const N: usize> ActiveSetSolver<N> {
@@ -82,20 +59,18 @@ impl<const N: usize> ActiveSetSolver<N> {
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
     /// whatever the guess is, and from a larger tolerance for ranks if the conditions do not hold.
-    pub fn solve(&mut self, problem: &ProblemRows<N>, start: Start, solution: &mut Solution) {
-        self.cascade.reserve(problem.unknowns, problem.rows.len());
-        self.solved.rank_tolerance = TOLERANCES.rank;
-        // Pinned unknowns are held, so that the factorisation without limits does not fit.
-        let is_factorized = start.is_factorized && !problem.has_pinned;
-        debug_assert!(!is_factorized || self.solved.held.is_empty(), "another problem was factorised");
-        if is_factorized && self.holds_nothing(problem, solution) {
-            return;
+    pub fn solve_rows(&mut self, problem: &ProblemRows<N>, start: Start, solution: &mut Solution) {
+        if self.rungs[Rung::Start].tried > 0 {
+            // A solver of one problem alone seldom needs this memory.
+            self.cascade.reserve(problem.unknowns, problem.rows.len());
         }
+        self.solved.rank_tolerance = TOLERANCES.rank;
         let guess = start.guess.filter(|guess| !guess.is_empty());
-        let mut met_uncertain_rank = self.solve_from(problem, guess, is_factorized, solution);
+        let (rung, mut met_uncertain_rank) = self.attempt(problem, guess, start.is_factorized, solution);
         let mut tried = solution.certainty.working_sets;
-        if guess.is_some() && (met_uncertain_rank || !solution.certainty.is_optimal) {
-            met_uncertain_rank = self.solve_from(problem, None, false, solution);
+        // All other ways begin with the empty set.
+        if guess.is_some() && met_uncertain_rank && matches!(rung, Rung::Start | Rung::StartCorrected) {
+            (_, met_uncertain_rank) = self.attempt(problem, None, false, solution);
             self.count_again(Rung::WithoutGuess, solution);
             tried += solution.certainty.working_sets;
         }
@@ -104,7 +79,7 @@ impl<const N: usize> ActiveSetSolver<N> {
                 break;
             }
             self.solved.rank_tolerance = tolerance;
-            self.solve_from(problem, None, false, solution);
+            self.attempt(problem, None, false, solution);
             self.count_again(Rung::LargerRankTolerance, solution);
             tried += solution.certainty.working_sets;
             solution.certainty.rank_uncertain = true;
@@ -113,80 +88,63 @@ impl<const N: usize> ActiveSetSolver<N> {
     }
 
     /// Factorises the equations of a problem without limits, without active inequality rows.
-    pub fn factorize(&mut self, problem: &ProblemRows<N>) {
+    pub fn factorize_rows(&mut self, problem: &ProblemRows<N>) {
         self.solved.rank_tolerance = TOLERANCES.rank;
         self.set.clear(problem.unknowns, problem.rows.len());
         self.solved.solve(problem, &self.set);
     }
 
-    /// Returns whether the empty set, which is factorised, is the right one. The answer is then written.
-    fn holds_nothing(&mut self, problem: &ProblemRows<N>, solution: &mut Solution) -> bool {
-        let Self { set, solved, conditions, .. } = self;
-        let trial = Trial { problem, set, solved };
-        conditions.check_point(trial, TOLERANCES.rounding);
-        if !conditions.are_met() {
-            return false;
-        }
-        conditions.check_levels(trial);
-        let is_right = conditions.are_met();
-        if is_right {
-            self.count(Source::Guess, 1);
-            self.rungs[Rung::Start].answered += 1;
-            self.write(problem, solution, 1);
-            solution.is_last_resort = false;
-        }
-        is_right
-    }
-
-    /// Solves the problem with one tolerance for ranks; returns whether a working set on the way had an uncertain rank.
-    /// `is_factorized`: the last factorisation is that of the empty set of this problem.
-    fn solve_from(
+    /// Solves the problem with one tolerance for ranks; returns where the working set comes from, and whether one on the way had an
+    /// uncertain rank.
+    ///
+    /// `is_factorized`: the last factorisation is that of the empty set of this problem, without pinned unknowns. That set is
+    /// then the first candidate, and the guess the next one.
+    fn attempt(
         &mut self,
         problem: &ProblemRows<N>,
-        guess: Option<&WorkingSet>,
+        mut guess: Option<&WorkingSet>,
         is_factorized: bool,
         solution: &mut Solution,
-    ) -> bool {
-        self.start_from(problem, guess);
+    ) -> (Rung, bool) {
+        // Pinned unknowns are held, so that the factorisation without limits does not fit.
+        let mut is_factorized = is_factorized && !problem.has_pinned;
+        debug_assert!(!is_factorized || self.solved.held.is_empty(), "another problem was factorised");
+        self.start_from(problem, guess.filter(|_| !is_factorized));
         self.cascade_point = None;
+        (self.corrections, self.fewest_wrong, self.repetitions) = (0, usize::MAX, 0);
         let most = most_sets(problem.unknowns, problem.rows.len());
-        let (mut source, mut tried, mut met_uncertain_rank) = (Source::Guess, 0, false);
+        let (mut rung, mut tried, mut met_uncertain_rank) = (Rung::Start, 0, false);
         loop {
             tried += 1;
-            self.count(source, tried);
-            if !(is_factorized && tried == 1 && self.set.is_empty()) {
+            self.rungs[rung].tried += 1;
+            if !is_factorized {
                 self.solved.solve(problem, &self.set);
             }
             met_uncertain_rank |= self.solved.rank_uncertain;
+            let rounding = TOLERANCES.roundings[self.repetitions % TOLERANCES.roundings.len()];
             let Self { set, solved, conditions, .. } = &mut *self;
             let trial = Trial { problem, set, solved };
-            let rounding = match source {
-                Source::Primal(used @ 1..) => {
-                    TOLERANCES.other_roundings[(used - 1).min(TOLERANCES.other_roundings.len() - 1)]
-                }
-                _ => TOLERANCES.rounding,
-            };
             conditions.check_point(trial, rounding);
             // Nothing is held and bounds are broken: multipliers are not needed to propose a set.
-            let is_open = source == Source::Guess && set.is_empty() && !conditions.are_met();
+            let is_open = rung == Rung::Start && set.is_empty() && !conditions.are_met();
             if !is_open {
                 conditions.check_levels(trial);
-                if self.conditions.are_met() || tried >= most {
-                    break;
-                }
             }
-            source = self.next_set(problem, source, is_open, tried);
+            if self.conditions.are_met() || tried >= most || self.repetitions == TURNS * TOLERANCES.roundings.len() {
+                break;
+            }
+            if let Some(guess) = guess.take_if(|_| is_factorized) {
+                self.start_from(problem, Some(guess));
+                (tried, met_uncertain_rank) = (0, false);
+            } else {
+                rung = self.next_set(problem, rung, is_open, tried);
+            }
+            is_factorized = false;
         }
-        if self.conditions.are_met() {
-            self.rungs[source.rung(tried)].answered += 1;
-        }
+        self.rungs[rung].answered += u64::from(self.conditions.are_met());
         self.write(problem, solution, tried);
-        solution.is_last_resort = matches!(source, Source::Primal(_));
-        met_uncertain_rank
-    }
-
-    fn count(&mut self, source: Source, tried: u32) {
-        self.rungs[source.rung(tried)].tried += 1;
+        solution.is_last_resort = rung == Rung::LastResort;
+        (rung, met_uncertain_rank)
     }
 
     fn count_again(&mut self, rung: Rung, solution: &Solution) {
@@ -194,62 +152,37 @@ impl<const N: usize> ActiveSetSolver<N> {
         self.rungs[rung].answered += u64::from(solution.certainty.is_optimal);
     }
 
-    /// Replaces a wrong working set by the next one. `is_open`: nothing is held.
-    fn next_set(&mut self, problem: &ProblemRows<N>, source: Source, is_open: bool, tried: u32) -> Source {
-        match source {
+    /// Replaces a wrong working set by the next one; returns where it comes from. `is_open`: nothing is held.
+    fn next_set(&mut self, problem: &ProblemRows<N>, rung: Rung, is_open: bool, tried: u32) -> Rung {
+        match rung {
             // Most guesses are wrong in one place or two.
-            Source::Guess if !is_open && tried < GUESSED_TRIALS => {
-                self.correct_all(problem);
-                Source::Guess
+            Rung::Start | Rung::StartCorrected if !is_open && tried < GUESSED_TRIALS => {
+                self.correct(problem, usize::MAX);
+                Rung::StartCorrected
             }
             // The price of the search grows with the square of the inequality rows.
-            Source::Guess if problem.inequalities.len() <= problem.unknowns => {
+            Rung::Start | Rung::StartCorrected if problem.inequalities.len() <= problem.unknowns => {
                 let Self { solved, set, search, .. } = self;
                 if !is_open {
                     set.clear(problem.unknowns, problem.rows.len());
                     solved.solve(problem, set);
                 }
                 if search.propose(problem, solved, TOLERANCES.search_spacing, set) {
-                    Source::Search
+                    Rung::Search
                 } else {
-                    self.start_cascade(problem)
+                    self.propose_by_cascade(problem)
                 }
             }
             // Where rounding may decide a rank, the cascade may decide otherwise.
-            Source::Search if self.solved.rank_uncertain => self.start_primal(problem),
-            Source::Guess | Source::Search => self.start_cascade(problem),
-            Source::Cascade(corrections) if corrections < MAX_CORRECTIONS => {
-                self.correct_all(problem);
-                Source::Cascade(corrections + 1)
-            }
-            Source::Cascade(_) => self.start_primal(problem),
-            Source::Primal(used) => {
-                // Where sets repeat, another size may count as rounding.
-                let changes = used < TOLERANCES.other_roundings.len() && self.primal.repeats(&self.set);
-                if changes {
-                    self.primal.forget_sets();
-                }
-                self.step_primal(problem);
-                Source::Primal(used + usize::from(changes))
-            }
+            Rung::Search if self.solved.rank_uncertain => self.correct_in_turn(problem),
+            Rung::Start | Rung::StartCorrected | Rung::Search => self.propose_by_cascade(problem),
+            _ => self.correct_in_turn(problem),
         }
     }
 
-    fn start_cascade(&mut self, problem: &ProblemRows<N>) -> Source {
+    fn propose_by_cascade(&mut self, problem: &ProblemRows<N>) -> Rung {
         self.cascade_point = Some(self.cascade.propose(problem, &mut self.set));
-        Source::Cascade(0)
-    }
-
-    /// Begins the last resort: one change at a time.
-    fn start_primal(&mut self, problem: &ProblemRows<N>) -> Source {
-        self.primal.clear();
-        self.step_primal(problem);
-        Source::Primal(0)
-    }
-
-    fn step_primal(&mut self, problem: &ProblemRows<N>) {
-        let Self { solved, conditions, set, primal, .. } = self;
-        primal.step(problem, solved, conditions, set);
+        Rung::Cascade
     }
 
     /// Takes over the bounds of a guess that this problem has.
@@ -269,13 +202,37 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
     }
 
-    /// Changes everything that is wrong.
-    fn correct_all(&mut self, problem: &ProblemRows<N>) {
+    /// The last resort: changes all wrong bounds if they are fewer than ever, and otherwise one alone, that of the highest level.
+    ///
+    /// Once sets repeat, it is the one with the least index, unknowns before rows (Murty's rule, which ends), and another size counts
+    /// as rounding. One set is kept for comparison, and replaced after twice as many (Brent).
+    fn correct_in_turn(&mut self, problem: &ProblemRows<N>) -> Rung {
+        self.repetitions += usize::from(self.set == self.mark);
+        self.corrections += 1;
+        if self.corrections.is_power_of_two() {
+            self.mark.copy_from(&self.set);
+        }
+        let wrong = self.conditions.wrong.len() + self.conditions.wrong_rows.len();
+        if wrong < self.fewest_wrong {
+            self.fewest_wrong = wrong;
+            self.correct(problem, usize::MAX);
+        } else {
+            if self.repetitions > 0 {
+                self.conditions.wrong.sort_unstable();
+                self.conditions.wrong_rows.sort_unstable();
+            }
+            self.correct(problem, 1);
+        }
+        Rung::LastResort
+    }
+
+    /// Changes everything that is wrong, or the first `most` bounds.
+    fn correct(&mut self, problem: &ProblemRows<N>, most: usize) {
         let Self { set, solved, conditions, .. } = self;
-        for &j in &conditions.wrong {
+        for &j in conditions.wrong.iter().take(most) {
             set.unknowns[j] = corrected(set.unknowns[j], solved.x.0[j] > problem.upper.0[j]);
         }
-        for &row in &conditions.wrong_rows {
+        for &row in conditions.wrong_rows.iter().take(most.saturating_sub(conditions.wrong.len())) {
             set.rows[row] = corrected(set.rows[row], conditions.values[row] > problem.rows[row].upper);
         }
     }

@@ -33,9 +33,9 @@ pub struct Conditions<const N: usize> {
     pub residual: f64,
     /// Relative size below which a number is zero.
     rounding: f64,
-    /// Bounds whose sign no level has decided yet.
+    /// Bounds whose sign no level has decided yet; 1 for the unknowns whose sign is decided.
     undecided: usize,
-    decided: Vec<bool>,
+    decided: Row<N>,
     row_decided: Vec<bool>,
     /// Multipliers of the rows for one level, with the sign of r = b − A x.
     w: Vec<f64>,
@@ -115,7 +115,7 @@ impl<const N: usize> Conditions<N> {
         let loose = solved.held.iter().filter(|&&j| !problem.is_pinned(j)).count();
         self.undecided = loose + problem.inequalities.iter().filter(|&&row| set.rows[row].is_some()).count();
         if !solved.held.is_empty() || self.undecided > 0 {
-            refill(&mut self.decided, std::iter::repeat_n(false, problem.unknowns));
+            self.decided = Row::ZERO;
             refill(&mut self.row_decided, std::iter::repeat_n(false, m));
         }
     }
@@ -176,7 +176,7 @@ impl<const N: usize> Conditions<N> {
         let coarse = amount * (1.0 + size / length);
         let doubtful = |value: f64| value > self.rounding * amount && value <= self.rounding * coarse;
         let mut active_rows = problem.inequalities.iter().filter(|&&row| set.rows[row].is_some());
-        let is_doubtful = solved.held.iter().any(|&j| !self.decided[j] && doubtful(h.0[j].abs()))
+        let is_doubtful = solved.held.iter().any(|&j| self.decided.0[j] == 0.0 && doubtful(h.0[j].abs()))
             || active_rows
                 .any(|&row| !self.row_decided[row] && doubtful(self.w[row].abs() * problem.rows[row].square.sqrt()));
         if dependent == 0 || !is_doubtful {
@@ -252,7 +252,7 @@ impl<const N: usize> Conditions<N> {
     /// Decides the sign of every bound whose multiplier is not zero here and was zero at all higher levels.
     fn decide(&mut self, Trial { problem, set, solved }: Trial<N>, h: &Row<N>) {
         for &j in &solved.held {
-            if self.decided[j] {
+            if self.decided.0[j] != 0.0 {
                 continue;
             }
             let points_inwards =
@@ -263,7 +263,7 @@ impl<const N: usize> Conditions<N> {
             if h.0[j].abs() <= self.rounding * self.sizes.0[j] {
                 continue;
             }
-            self.decided[j] = true;
+            self.decided.0[j] = 1.0;
             self.multipliers.0[j] = h.0[j];
             if !problem.is_pinned(j) {
                 self.undecided -= 1;

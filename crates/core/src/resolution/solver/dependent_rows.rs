@@ -4,7 +4,7 @@
 //! longest rows, so I + F Fᵀ is well conditioned. Section numbers refer to `docs/solver.md`.
 
 use super::factor_row::FactorRow;
-use crate::linalg::Row;
+use crate::linalg::{Row, cholesky};
 use crate::resolution::solution::refill;
 
 /// The dependent rows of one level.
@@ -143,14 +143,13 @@ fn combination_of<const N: usize>(row: &FactorRow<N>, pivots: &[FactorRow<N>], f
 
 /// Writes Cholesky's factor of I + G for a positive semidefinite matrix G.
 fn factorize_identity_plus(g: &mut Vec<f64>, count: usize, product: impl Fn(usize, usize) -> f64) {
-    g.resize(count * count, 0.0);
-    for i in 0..count {
-        for j in 0..=i {
-            let known = (0..j).map(|l| g[i * count + l] * g[j * count + l]).sum::<f64>();
-            let rest = product(i, j) - known;
-            g[i * count + j] = if i == j { (1.0 + rest).sqrt() } else { rest / g[j * count + j] };
-        }
-    }
+    refill(
+        g,
+        (0..count * count)
+            .map(|at| (at / count, at % count))
+            .map(|(i, j)| if i < j { 0.0 } else { product(i, j) + f64::from(u8::from(i == j)) }),
+    );
+    cholesky(g, count);
 }
 
 /// Replaces x by (I + G)⁻¹ x.

@@ -102,6 +102,15 @@ impl<const N: usize> Factorization<N> {
         self.rows[start..end].split_at(pivots_end - start)
     }
 
+    /// Returns the smallest singular value of the triangle.
+    #[cold]
+    pub fn smallest_singular_value(&mut self) -> f64 {
+        let rank = self.rank();
+        let triangle = self.pivots.iter().flat_map(|&place| &self.rows[place].coordinates.0[..rank]);
+        self.singular.decompose(rank, triangle.copied());
+        self.singular.smallest()
+    }
+
     /// Factorises the active rows over the free unknowns and solves (section 4).
     pub fn solve(&mut self, problem: &ProblemRows<N>, set: &WorkingSet) {
         self.rank_uncertain = false;

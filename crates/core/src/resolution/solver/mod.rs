@@ -9,13 +9,14 @@ mod conditions;
 mod dependent_rows;
 mod factor_row;
 mod factorization;
-mod primal;
 mod problem_rows;
-#[cfg(test)]
-mod random_sets;
+
 mod rungs;
 mod search;
 mod sized;
 
 pub use rungs::{Rung, RungCount, Rungs};
 pub use sized::{HierarchicalSolver, SizedSolver};
+
+#[cfg(test)]
+mod tests;

@@ -13,12 +13,8 @@ pub enum Rung {
     Search,
     /// The proposal of the cascade.
     Cascade,
-    /// The same, with everything corrected that was wrong.
-    CascadeCorrected,
     /// One change at a time.
     LastResort,
-    /// The same with another size that counts as rounding.
-    OtherRounding,
     /// All of them once more, from the empty set, because a guess met an uncertain rank or found no answer.
     WithoutGuess,
     /// All of them once more, with a larger tolerance for ranks.
@@ -27,14 +23,12 @@ pub enum Rung {
 
 impl Rung {
     /// All of them, in order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 7] = [
         Self::Start,
         Self::StartCorrected,
         Self::Search,
         Self::Cascade,
-        Self::CascadeCorrected,
         Self::LastResort,
-        Self::OtherRounding,
         Self::WithoutGuess,
         Self::LargerRankTolerance,
     ];
@@ -51,7 +45,7 @@ pub struct RungCount {
 
 /// Counts of all ways, over all problems of a solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Rungs([RungCount; 9]);
+pub struct Rungs([RungCount; 7]);
 
 impl Index<Rung> for Rungs {
     type Output = RungCount;

@@ -5,7 +5,7 @@ use super::*;
 use crate::linalg::{Matrix, Svd, Vector};
 use crate::resolution::Side;
 use crate::resolution::hierarchy::Hierarchy;
-use crate::resolution::solver::random_sets::{RandomSet, WIDTH, numbers};
+use crate::resolution::solver::tests::{RandomSet, WIDTH, numbers};
 
 /// What the conditions say, computed from the rows with pseudo-inverses.
 struct Expected<'a> {

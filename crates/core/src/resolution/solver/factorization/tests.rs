@@ -4,7 +4,7 @@
 use super::*;
 use crate::linalg::{Matrix, RANK_TOLERANCE, Svd, Vector};
 use crate::resolution::hierarchy::Hierarchy;
-use crate::resolution::solver::random_sets::{RandomSet, WIDTH};
+use crate::resolution::solver::tests::{RandomSet, WIDTH};
 
 /// Returns the entries of a over the coordinates of a factorisation.
 fn over_coordinates(solved: &Factorization<WIDTH>, a: &Row<WIDTH>) -> Vec<f64> {

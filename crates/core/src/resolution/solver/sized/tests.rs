@@ -5,17 +5,16 @@ use revprio_problem::MAX_UNKNOWNS;
 
 use super::*;
 use crate::linalg::{Matrix, Svd, smallest_and_product};
-use crate::resolution::solver::random_sets::{below, numbers};
+use crate::resolution::solver::tests::{below, numbers};
 
-/// Returns levels of random rows for n unknowns, and their matrices. A third of the rows depends on the one before.
-fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
+/// Returns levels of random rows for n unknowns, a third of which depend on the one before.
+fn levels(seed: u64) -> Hierarchy {
     let mut number = numbers(seed);
     let mut below = |count: usize| below(number(), count);
     let (n, counts) = (2 + below(6), (0..=below(3)).map(|_| 1 + below(4)).collect::<Vec<_>>());
     let mut number = numbers(seed + 1_000_000);
     let mut hierarchy = Hierarchy::default();
     hierarchy.clear(&vec![0.0; n]);
-    let mut matrices = Vec::new();
     for count in counts {
         let mut A = Matrix::from_fn(count, n, |_, _| number());
         for i in 1..count {
@@ -25,42 +24,31 @@ fn levels(seed: u64) -> (Hierarchy, Vec<Matrix>) {
         }
         hierarchy.push_equations(&A, |_| 0.5);
         hierarchy.end_level();
-        matrices.push(A);
     }
-    (hierarchy, matrices)
+    hierarchy
 }
 
 #[test]
 fn the_last_factorisation_tells_the_singular_values() {
     let (mut full, mut deficient) = (0, 0);
     for seed in 0..500 {
-        let (hierarchy, matrices) = levels(seed);
+        let hierarchy = levels(seed);
         let n = hierarchy.unknowns;
         let mut solver = HierarchicalSolver::default();
         let solver = solver.of_width(&hierarchy);
         solver.solve(&hierarchy, Start::default(), &mut Solution::default());
-        let (mut N, mut open) = (Matrix::identity(n, n), n);
-        for (level, A) in matrices.iter().enumerate() {
-            let svd = Svd::new(&(A * &N));
-            let rank = svd.rank(1e-9);
-            let smallest =
-                if rank == A.nrows().min(open) { svd.singular_values().get(rank.wrapping_sub(1)) } else { None };
-            let found = solver.smallest_of_level(level);
-            assert!((found - smallest.copied().unwrap_or(0.0)).abs() < 1e-12, "seed {seed}: {found} {smallest:?}");
-            N -= svd.row_projector(rank);
-            open -= rank;
-            full += usize::from(found > 0.0);
-            deficient += usize::from(found == 0.0);
-        }
-        if n - open == hierarchy.rows.len() {
-            let all = Matrix::from_fn(n - open, n, |i, j| hierarchy.row(i)[j]);
-            let sigma = Svd::new(&all).singular_values().to_vec();
+        let all = Matrix::from_fn(hierarchy.rows.len(), n, |i, j| hierarchy.row(i)[j]);
+        let norm = hierarchy.equation_norm();
+        let sigma = Svd::new(&all).singular_values().to_vec();
+        if all.nrows() > n || sigma[sigma.len() - 1] < 1e-9 {
+            deficient += 1;
+            assert!(solver.bound_smallest(norm, 0.0, 0.0).is_nan(), "seed {seed}");
+        } else {
+            full += 1;
             let product = sigma.iter().product::<f64>();
-            assert!((solver.pivot_product() - product).abs() < 1e-11 * product);
             let (found, found_product) = smallest_and_product(&all);
             assert!((found_product - product).abs() < 1e-11 * product);
             assert!((found - sigma[sigma.len() - 1]).abs() < 1e-12);
-            let norm = hierarchy.equation_norm();
             // 1/‖A⁺‖_F
             let certain = sigma.iter().map(|sigma| 1.0 / (sigma * sigma)).sum::<f64>().sqrt().recip();
             let found = [0.999, 1.001].map(|factor| solver.bound_smallest(norm, f64::INFINITY, factor * certain));
@@ -73,12 +61,12 @@ fn the_last_factorisation_tells_the_singular_values() {
             assert!((norm - all.norm()).abs() < 1e-12 * all.norm());
         }
     }
-    assert!(full > 300 && deficient > 200, "{full} {deficient}");
+    assert!(full > 100 && deficient > 200, "{full} {deficient}");
 }
 
 #[test]
 fn each_number_of_unknowns_has_a_solver() {
-    for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 40, 41, 72, 73, MAX_UNKNOWNS] {
+    for n in [1, 4, 5, 8, 9, 16, 17, 24, 25, 32, 33, 40, 41, 72, 73, MAX_UNKNOWNS] {
         let mut hierarchy = Hierarchy::default();
         hierarchy.clear(&vec![0.0; n]);
         hierarchy.push_equation((0..n).map(|_| 1.0), 1.0);
