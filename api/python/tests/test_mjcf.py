@@ -180,3 +180,43 @@ def test_missing_speeds_and_wrong_files_are_refused_with_the_remedy(tmp_path: Pa
     (tmp_path / "broken.xml").write_text("<mujoco><worldbody>", encoding="utf-8")
     with pytest.raises(ValueError, match=r"broken\.xml: XML"):
         revprio.read_mjcf(tmp_path / "broken.xml")
+
+
+SHAPES = """
+<mujoco model="shapes">
+  <worldbody>
+    <geom type="plane" size="1 1 0.1"/>
+    <geom name="table" type="box" size="0.2 0.3 0.05" pos="0 0 -0.2"/>
+    <body name="upper">
+      <joint name="shoulder" axis="0 0 1" range="-100 100"/>
+      <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.04"/>
+      <geom type="sphere" size="0.5" contype="0" conaffinity="0"/>
+      <body name="fore" pos="0.4 0 0">
+        <joint name="elbow" axis="0 0 1" range="-100 100"/>
+        <geom type="cylinder" fromto="0 0 0 0.2 0 0" size="0.03"/>
+        <body pos="0.3 0 0"><geom type="ellipsoid" size="0.05 0.02 0.02"/></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>"""
+
+
+def test_geoms_that_collide_become_shapes_that_contain_them() -> None:
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(SHAPES), velocity_limits=1.0)
+    robot = revprio.register_robot(name="shapes", urdf=urdf, shapes="fit")
+    try:
+        assert robot.shapes is not None
+        links = [shape.link for shape in robot.shapes.shape_list]
+        assert links.count("upper") == 1  # the sphere collides with nothing
+        assert set(links) == {"world", "upper", "fore"}
+        capsule = next(shape.capsule for shape in robot.shapes.shape_list if shape.link == "upper")
+        assert capsule is not None
+        ends = np.sort([capsule.start[0], capsule.end[0]])
+        np.testing.assert_allclose(ends, [0.0, 0.4], atol=1e-12)
+        assert capsule.radius == pytest.approx(0.04)
+        # The ellipsoid is on a body without a name, 0.3 m before the elbow.
+        fore = [shape.capsule for shape in robot.shapes.shape_list if shape.link == "fore"]
+        reach = max(max(capsule.start[0], capsule.end[0]) for capsule in fore if capsule is not None)
+        assert reach > 0.3
+    finally:
+        revprio.delete_robot("shapes")

@@ -27,7 +27,9 @@ def read_mjcf(
     and its range. A joint that an `<equality>` couples to another one becomes a `mimic` joint, and one that it locks
     becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have the types
     `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root; otherwise the
-    root is `world`. The text has no masses and shapes.
+    root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of a registration
+    makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are left out. The text
+    has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -62,11 +64,12 @@ class _Tree:
     def __init__(
         self, library: ModuleType, model: mujoco.MjModel, velocity_limits: float | Mapping[str, float] | None
     ) -> None:
-        self.kinds = library.mjtJoint
+        self.kinds, self.geoms = library.mjtJoint, library.mjtGeom
         self.model = model
         self.bodies = _names("body", [model.body(i).name for i in range(model.nbody)])
         self.joints = _names("joint", [model.joint(i).name for i in range(model.njnt)])
         self.link_names, self.joint_names = set(self.bodies), set(self.joints)
+        self.links: dict[str, ET.Element] = {}
         self.speeds = self.speeds_of(velocity_limits)
         self.mimics = dict(_mimics(library, model))
         self.locked = dict(_locked(library, model))
@@ -95,6 +98,7 @@ class _Tree:
             else:
                 continue
             self.sites(body)
+        self.collisions()
         return ET.tostring(self.robot, encoding="unicode")
 
     def roots(self) -> list[int]:
@@ -160,8 +164,43 @@ class _Tree:
                 link = _unused(name if name not in self.link_names else f"{name}_site", self.link_names)
                 self.fixed(link, self.bodies[body], placement)
 
+    def collisions(self) -> None:
+        """Writes the geoms that can collide into the link of their body, or of the nearest body above with a link."""
+        model = self.model
+        for geom in range(model.ngeom):
+            body, placement = int(model.geom_bodyid[geom]), _placement(model.geom_pos[geom], model.geom_quat[geom])
+            while body > 0 and self.bodies[body] not in self.links:
+                placement = _placement(model.body_pos[body], model.body_quat[body]) @ placement
+                body = int(model.body_parentid[body])
+            link = self.links.get(self.bodies[body])
+            form = self.form(geom)
+            if link is None or form is None or not model.geom_contype[geom] | model.geom_conaffinity[geom]:
+                continue
+            kind, sizes, middle = form
+            placement = placement @ _placement(middle)
+            collision = ET.SubElement(link, "collision")
+            angles = _numbers(_roll_pitch_yaw(placement))
+            ET.SubElement(collision, "origin", xyz=_numbers(placement[:3, 3]), rpy=angles)
+            ET.SubElement(ET.SubElement(collision, "geometry"), kind, sizes)
+
+    def form(self, geom: int) -> tuple[str, dict[str, str], Array] | None:
+        """Returns the URDF element of a geom, its attributes, and where its middle is in the frame of the geom, m."""
+        size, origin = self.model.geom_size[geom], np.zeros(3)
+        kind = self.model.geom_type[geom]
+        if kind == self.geoms.mjGEOM_SPHERE:
+            return "sphere", {"radius": _number(size[0])}, origin
+        if kind in {int(self.geoms.mjGEOM_CAPSULE), int(self.geoms.mjGEOM_CYLINDER)}:
+            name = "capsule" if kind == self.geoms.mjGEOM_CAPSULE else "cylinder"
+            return name, {"radius": _number(size[0]), "length": _number(2 * size[1])}, origin
+        if kind in {int(self.geoms.mjGEOM_BOX), int(self.geoms.mjGEOM_ELLIPSOID)}:
+            return "box", {"size": _numbers(2 * size)}, origin
+        if kind == self.geoms.mjGEOM_MESH:
+            middle, half = self.model.geom_aabb[geom][:3], self.model.geom_aabb[geom][3:]
+            return "box", {"size": _numbers(2 * half)}, middle
+        return None
+
     def link(self, name: str) -> None:
-        ET.SubElement(self.robot, "link", name=name)
+        self.links[name] = ET.SubElement(self.robot, "link", name=name)
 
     def fixed(self, link: str, parent: str, placement: Array) -> None:
         self.joint(_unused(f"{link}_fixed", self.joint_names), "fixed", (parent, link), placement)

@@ -33,6 +33,13 @@ pub enum BodyForm {
         /// Length, m.
         length: f64,
     },
+    /// A capsule along z: a cylinder with a half ball at each end.
+    Capsule {
+        /// Radius, m.
+        radius: f64,
+        /// Length without the balls, m.
+        length: f64,
+    },
     /// A sphere with this radius, m.
     Sphere(f64),
     /// Triangles of a file.
@@ -131,6 +138,7 @@ fn body<'a>(link: &str, collision: Node<'a, 'a>) -> Result<(IsometryMatrix3<f64>
     let form = match geometry.tag_name().name() {
         "sphere" => BodyForm::Sphere(length("radius")?),
         "cylinder" => BodyForm::Cylinder { radius: length("radius")?, length: length("length")? },
+        "capsule" => BodyForm::Capsule { radius: length("radius")?, length: length("length")? },
         "box" => {
             let size = three(Some(geometry), "size", 0.0)?;
             if size.iter().any(|edge| *edge <= 0.0) {
@@ -142,7 +150,7 @@ fn body<'a>(link: &str, collision: Node<'a, 'a>) -> Result<(IsometryMatrix3<f64>
             let file = geometry.attribute("filename").ok_or_else(|| wrong("<mesh> needs a `filename`".to_owned()))?;
             BodyForm::Mesh { file: file.to_owned(), scale: three(Some(geometry), "scale", 1.0)?.into() }
         }
-        other => return Err(wrong(format!("<{other:.40}> is none of box, cylinder, sphere and mesh"))),
+        other => return Err(wrong(format!("<{other:.40}> is none of box, capsule, cylinder, sphere and mesh"))),
     };
     Ok((pose, form))
 }

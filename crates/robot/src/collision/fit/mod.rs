@@ -78,6 +78,10 @@ impl RobotModel {
         let link = || self.links()[body.link.index()].name.clone();
         Ok(match &body.form {
             BodyForm::Sphere(radius) => vec![FittedCapsule { core: Segment::point(Vector3::zeros()), radius: *radius }],
+            BodyForm::Capsule { radius, length } => {
+                let end = Vector3::z() * (0.5 * length);
+                vec![FittedCapsule { core: Segment { from: -end, to: end }, radius: *radius }]
+            }
             BodyForm::Cylinder { radius, length } => vec![primitive::around_cylinder(*radius, *length)],
             BodyForm::Box(size) => primitive::around_box(size),
             BodyForm::Mesh { file, scale } => {

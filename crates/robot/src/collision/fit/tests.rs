@@ -147,6 +147,14 @@ fn bodies_of_links_beside_the_chain_move_with_it_if_they_are_fixed() {
 }
 
 #[test]
+fn a_capsule_of_the_text_stays_as_it_is() {
+    let text = TEXT.replace(r#"<sphere radius="0.04"/>"#, r#"<capsule radius="0.04" length="0.3"/>"#);
+    let robot = RobotModel::from_urdf(&text, &UrdfOptions { tip: Some("hand"), ..UrdfOptions::default() }).unwrap();
+    let hand = *robot.fitted_shapes(&text, None).unwrap().capsules.last().unwrap();
+    assert_eq!((hand.core.from.z, hand.core.to.z, hand.radius), (-0.15, 0.15, 0.04));
+}
+
+#[test]
 fn what_cannot_be_fitted_is_refused_with_its_link() {
     let refused = |form: &str| {
         let text = TEXT.replace(r#"<sphere radius="0.04"/>"#, form);
@@ -156,6 +164,7 @@ fn what_cannot_be_fitted_is_refused_with_its_link() {
     };
     assert!(refused(r#"<sphere radius="0"/>"#).contains("link `hand`: `radius` must be a positive number"));
     assert!(refused(r#"<box size="1 2"/>"#).contains("not three numbers"));
+    assert!(refused(r#"<capsule radius="0.1" length="-1"/>"#).contains("`length` must be a positive number"));
     assert!(refused("<torus/>").contains("<torus> is none of"));
     assert!(refused(r#"<mesh filename="package://x/a.stl"/>"#).contains("revprio robots fit"));
     let bare = "<robot name='bare'><link name='a'/><link name='b'/><joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
