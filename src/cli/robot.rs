@@ -59,6 +59,14 @@ pub enum RobotArgumentError {
         /// What is wrong with it.
         message: String,
     },
+    /// The shapes of a robot cannot be made.
+    #[error("{path}: {message}")]
+    Shapes {
+        /// The robot file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
     /// The server has another robot of that name.
     #[error("{server} has another robot `{name}`; choose another name: `FILE,name=NAME`")]
     OtherRobot {
@@ -121,8 +129,12 @@ impl RobotArgument {
         let registration = self.registration(String::new())?;
         let robot = self.read_without_shapes(&registration)?;
         let meshes = MeshDirectory::of_urdf(&self.path);
-        let robot = with_shapes(robot, &registration, Some(&meshes))
-            .map_err(|error| self.wrong_overrides(error.to_string()))?;
+        let wrong = |message: String| RobotArgumentError::Shapes { path: self.path.clone(), message };
+        if registration.shapes.is_some() && !self.is_urdf() {
+            let message = "only .urdf has bodies; leave out `shapes`, and state `shape_list` in `overrides`";
+            return Err(wrong(message.to_owned()));
+        }
+        let robot = with_shapes(robot, &registration, Some(&meshes)).map_err(|error| wrong(error.to_string()))?;
         Ok(Arc::new(robot))
     }
 

@@ -87,11 +87,14 @@ impl StateRules {
             warnings.push(format!("joint `{name}` at {q} is outside its range {lower} … {upper}; {effect}"));
         }
         let bounds = [self.checks.max_force_n, self.checks.max_torque_nm];
-        let entries = measured_wrenches(state).flat_map(|(_, wrench)| wrench.iter().enumerate());
-        let unbounded = entries.filter(|(entry, _)| bounds[entry / 3].is_none());
-        for (_, value) in unbounded.filter(|(_, value)| value.abs() > REPORTED_WRENCH) {
+        let tips = controller.config().robot.tips();
+        let entries = measured_wrenches(state)
+            .flat_map(|(tip, wrench)| wrench.iter().enumerate().map(move |(entry, value)| (tip, entry, value)));
+        let unbounded = entries.filter(|(_, entry, _)| bounds[entry / 3].is_none());
+        for (tip, _, value) in unbounded.filter(|(_, _, value)| value.abs() > REPORTED_WRENCH) {
+            let name = &tips[tip.unwrap_or(0)].name;
             warnings.push(format!(
-                "a wrench has an entry of {value} N or N·m; check the sensor and its unit, and set \
+                "the wrench at `{name}` has an entry of {value} N or N·m; check the sensor and its unit, and set \
                  `state_checks.max_force_n` and `max_torque_nm` to the range of the sensor"
             ));
         }

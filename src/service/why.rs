@@ -114,6 +114,12 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         tasks: tasks.collect(),
     };
     let mut sentences = explained.sentences();
+    if command.fading_since_s.is_some() {
+        let percent = (100.0 * command.request_share).round();
+        sentences.push(format!(
+            "{percent} % of what the tasks ask for is passed on, because the arm turned and turned without coming nearer to its targets"
+        ));
+    }
     sentences.extend(command.stuck.iter().map(|stuck| explained.stuck(stuck)));
     sentences
 }

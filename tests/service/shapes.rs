@@ -105,3 +105,42 @@ fn texts_that_cannot_be_fitted_or_read_are_refused_with_the_place() {
     refused(json!({"shapes": "guess"}), "/shapes", "fit");
     refused(json!({"collision_pairs": {"leave_out": []}}), "/collision_pairs", "shape_list");
 }
+
+/// A hand that is fixed to the tip: pairs of its own name are left out, those of the link that carries it are not those of the hand.
+#[test]
+fn pairs_and_shapes_of_a_link_are_not_those_of_what_is_fixed_to_it() {
+    let text = urdf().replace(
+        r#"<link name="finger">"#,
+        r#"<link name="tool"/><joint name="flange" type="fixed"><parent link="right_lower"/><child link="tool"/></joint><link name="finger">"#,
+    );
+    let service = Service::start();
+    let watched = |name: &str, more: &Value| {
+        let mut robot = json!({"name": name, "urdf": text, "tip": "right_lower", "shapes": "fit"});
+        robot.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let created = service.post("/v1/robots", &robot.to_string());
+        assert_eq!(created.status, 201, "{}", created.text);
+        let robot = service.get(&format!("/v1/robots/{name}")).accepted();
+        (robot["shapes"]["watched_pairs"].as_u64().unwrap(), robot["shapes"].clone())
+    };
+    let srdf = |links: [&str; 2]| {
+        let [a, b] = links;
+        json!({"srdf": format!("<robot name='duo'><disable_collisions link1='{a}' link2='{b}' reason='Never'/></robot>")})
+    };
+    let (all, _) = watched("all", &json!({}));
+    let (without_lower, shapes) = watched("lower", &srdf(["table", "right_lower"]));
+    let (without_hand, hand) = watched("hand", &srdf(["right_hand", "table"]));
+    assert!(all > without_lower && all > without_hand, "{all}, {without_lower}, {without_hand}");
+    assert_eq!(all - without_lower, all - without_hand, "four capsules of the table each");
+    assert!(hand["left_out"].as_array().unwrap().iter().any(|pair| pair["reason"] == "Never"), "{hand}");
+    assert!(shapes["left_out"].as_array().unwrap().iter().all(|pair| pair["links"][1] != "right_hand"), "{shapes}");
+    // A stated shape replaces the bodies of its own link, and not the hand that it carries.
+    let stated = json!({"shape_list": [{"link": "right_lower", "sphere": {"radius": 0.01}}]});
+    let (_, shapes) = watched("stated", &stated);
+    let radii: Vec<f64> = shapes["shape_list"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|shape| shape["sphere"]["radius"].as_f64())
+        .collect();
+    assert_eq!(radii, [0.01, 0.05]);
+}

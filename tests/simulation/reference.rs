@@ -1,7 +1,5 @@
 //! The reference: a controller of the library that gets states in order, without a service.
 
-use std::collections::BTreeMap;
-
 use revprio::service::{Robots, controller, stepper};
 use revprio_api::wire::{self, JointVector};
 use revprio_core::controller::{Command, Measurement, Memory, Stepper};
@@ -51,7 +49,7 @@ fn measurement(state: &wire::State) -> Measurement {
     };
     let [force, torque] = state.wrench.map_or([[0.0; 3]; 2], |wrench| [wrench.force, wrench.torque]);
     Measurement {
-        wrenches: BTreeMap::new(),
+        wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: state.time_s,
         joint_position: values(&state.joint_position),

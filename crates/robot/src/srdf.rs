@@ -1,7 +1,7 @@
 //! Semantic descriptions of robots (SRDF): which links never have to keep clear of each other, and where the hands are.
 
 use crate::UrdfError;
-use crate::urdf::parse;
+use crate::urdf::{parse, robot};
 
 /// The parts of a semantic description that a robot needs. Groups, states and passive joints are not read.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -34,10 +34,7 @@ impl Srdf {
     /// Reads a description.
     pub fn read(text: &str) -> Result<Self, UrdfError> {
         let document = parse(text)?;
-        let root = document.root_element();
-        if !root.has_tag_name("robot") {
-            return Err(UrdfError::NotRobot { root: root.tag_name().name().to_owned() });
-        }
+        let root = robot(&document)?;
         let mut read = Self::default();
         for node in root.children() {
             let attribute = |name: &str| node.attribute(name).unwrap_or_default().to_owned();

@@ -9,7 +9,7 @@ use revprio_robot::collision::{
     CollisionError, CollisionModel, FitError, FittedShapes, LinkCapsule, MAX_CAPSULES, MeshDirectory, OrientedBox,
     PairReason, Segment, StatedPair,
 };
-use revprio_robot::{DisabledPair, LinkId, RobotModel, Srdf};
+use revprio_robot::{LinkId, RobotModel, Srdf};
 
 use super::checks::{Inside, Refused, Result, check, check_name, each};
 use super::numbers::{check_numbers, number};
@@ -104,25 +104,51 @@ pub fn with_shapes(
     let listed = request.shape_list.as_deref().unwrap_or_default();
     check(listed.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
     let mut listed: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(&robot, shape))?;
-    let stated = stated_pairs(&robot, request, disabled)?;
+    let stated = stated_pairs(&robot, request)?;
     let fitted = match request.shapes {
         Some(wire::ShapeSource::Fit) => {
             robot.fitted_shapes(&request.urdf, meshes).map_err(|error| fit_error(&error))?
         }
         None => FittedShapes::default(),
     };
-    let is_listed = |fitted: &LinkCapsule| listed.iter().any(|listed| listed.link == fitted.link);
-    let others: Vec<LinkCapsule> = fitted.capsules.into_iter().filter(|fitted| !is_listed(fitted)).collect();
-    listed.extend(others);
-    let is_covered = |name: &str| robot.link(name).is_some_and(|link| listed.iter().any(|shape| shape.link == link));
-    let uncovered = fitted.uncovered.into_iter().filter(|name| !is_covered(name)).collect();
-    robot.with_fitted(FittedShapes { capsules: listed, uncovered }, &stated).map_err(|error| {
-        let pointer = match error {
-            CollisionError::Capsule { index } => format!("/shape_list/{index}"),
-            CollisionError::TooMany { .. } => "/shape_list".to_owned(),
-        };
-        ApiError::invalid(pointer, error)
+    let stated_count = listed.len();
+    let mut names: Vec<String> = listed.iter().map(|shape| robot.links()[shape.link.index()].name.clone()).collect();
+    for (capsule, name) in fitted.capsules.into_iter().zip(fitted.names) {
+        if !names[..stated_count].contains(&name) {
+            listed.push(capsule);
+            names.push(name);
+        }
+    }
+    let uncovered = uncovered(&robot, request, &listed);
+    let shapes = FittedShapes { capsules: listed, names: names.clone(), uncovered };
+    robot.with_fitted(shapes, &stated, &disabled).map_err(|error| match error {
+        CollisionError::Capsule { index } if index < stated_count => {
+            ApiError::invalid(format!("/shape_list/{index}"), error)
+        }
+        CollisionError::Capsule { index } => {
+            let detail = format!(
+                "the <collision> of link `{}` is too large, or has no size; are its lengths in m?",
+                names[index]
+            );
+            ApiError::invalid("/urdf", detail)
+        }
+        CollisionError::TooMany { .. } if stated_count == 0 => ApiError::invalid("/urdf", error),
+        CollisionError::TooMany { .. } => ApiError::invalid("/shape_list", error),
     })
+}
+
+/// Returns the links of the text that have a form and that no shape covers; none if the text has no bodies that can be read.
+fn uncovered(robot: &RobotModel, request: &wire::RobotRegistration, shapes: &[LinkCapsule]) -> Vec<String> {
+    let Ok(found) = robot.link_bodies(&request.urdf) else { return Vec::new() };
+    let is_covered = |link: LinkId| shapes.iter().any(|shape| shape.link == link);
+    let is_stated = |name: &String| robot.link(name).is_some_and(is_covered);
+    let mut uncovered: Vec<String> = found.uncovered.into_iter().filter(|name| !is_stated(name)).collect();
+    for body in found.bodies.into_iter().filter(|body| !is_covered(body.link)) {
+        if !uncovered.contains(&body.name) {
+            uncovered.push(body.name);
+        }
+    }
+    uncovered
 }
 
 fn fit_error(error: &FitError) -> ApiError {
@@ -136,23 +162,13 @@ fn fit_error(error: &FitError) -> ApiError {
 /// Reason of pairs that a registration leaves out without saying why.
 const STATED: &str = "stated";
 
-/// Reads the pairs that a registration leaves out. Those of its SRDF text (`disabled`) whose links are no part of the robot stay watched.
-fn stated_pairs(
-    robot: &RobotModel,
-    request: &wire::RobotRegistration,
-    disabled: Vec<DisabledPair>,
-) -> Result<Vec<StatedPair>> {
+/// Reads the pairs that a registration leaves out.
+fn stated_pairs(robot: &RobotModel, request: &wire::RobotRegistration) -> Result<Vec<StatedPair>> {
     let mut stated = Vec::new();
     for (i, names) in request.collision_pairs.iter().flat_map(|pairs| &pairs.leave_out).enumerate() {
         let at = |side: usize| format!("/collision_pairs/leave_out/{i}/{side}");
         let links = [link(robot, &names[0], &at(0))?, link(robot, &names[1], &at(1))?];
         stated.push(StatedPair { links, reason: STATED.to_owned() });
-    }
-    for DisabledPair { links: [first, second], reason } in disabled {
-        if let (Some(first), Some(second)) = (robot.link(&first), robot.link(&second)) {
-            let reason = if reason.is_empty() { STATED.to_owned() } else { reason };
-            stated.push(StatedPair { links: [first, second], reason });
-        }
     }
     Ok(stated)
 }
@@ -196,14 +212,14 @@ pub fn shapes_answer(robot: &RobotModel) -> Option<wire::RobotShapes> {
     Some(wire::RobotShapes {
         shape_list: model.capsules().iter().map(shape).collect(),
         watched_pairs: model.pairs().len(),
-        left_out: left_out_answer(model, name),
+        left_out: left_out_answer(model),
         uncovered_links: model.uncovered().to_vec(),
     })
 }
 
-fn left_out_answer(model: &CollisionModel, name: impl Fn(LinkId) -> String) -> Vec<wire::LeftOutPair> {
+fn left_out_answer(model: &CollisionModel) -> Vec<wire::LeftOutPair> {
     let pairs = model.left_out().iter().map(|pair| wire::LeftOutPair {
-        links: pair.links.map(&name),
+        links: pair.links.clone(),
         reason: match &pair.reason {
             PairReason::Neighbours => "neighbours".to_owned(),
             PairReason::AlwaysTouch => "always_touch".to_owned(),

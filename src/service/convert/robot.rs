@@ -50,7 +50,9 @@ pub fn frames_of_srdf(request: &wire::RobotRegistration) -> Result<Option<wire::
         return Ok(None);
     }
     let mut links: Vec<String> = Vec::new();
-    for EndEffector { parent_link, .. } in srdf(request)?.end_effectors {
+    for EndEffector { name, parent_link } in srdf(request)?.end_effectors {
+        let detail = format_args!("the end effector `{name}` names no `parent_link`");
+        check(!parent_link.is_empty(), "/srdf", detail)?;
         if !links.contains(&parent_link) {
             links.push(parent_link);
         }

@@ -148,7 +148,9 @@ fn misfit(task: &TaskConfig) -> String {
         Quantity::Force => "`force`",
     };
     match task.quantities().iter().map(accepted).collect::<Vec<_>>().as_slice() {
-        [] => format!("task `{name}` follows no target, because it has bounds or the target `mid_range`"),
+        [] => format!(
+            "task `{name}` follows no target, because it has bounds, the target `mid_range` or the law `look_at`"
+        ),
         accepted => format!("a target of task `{name}` is {}", accepted.join(", or ")),
     }
 }

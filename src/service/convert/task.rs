@@ -30,6 +30,11 @@ pub fn task_config(task: &wire::ControllerTask, robot: &RobotModel) -> Result<Ta
         Some(law @ wire::Law::LookAt { target_point, direction, .. }) => {
             check_no_rows("look_at", task)?;
             check(task.frame == wire::Frame::Base, "/frame", "the law `look_at` has no `frame`; give `link`")?;
+            check(
+                task.streaming.is_none(),
+                "/streaming",
+                "the law `look_at` follows no targets; change its `target_point`",
+            )?;
             let rows = gaze_rows(task, target_point, *direction, robot)?;
             let rows = TaskRows::Gaze(rows);
             let law = LawReader(PerRow { rows: rows.len() }).law(law).inside("/law")?;

@@ -10,6 +10,7 @@ use crate::service::error::{ApiError, escape_pointer};
 
 /// Reads the wrench at the tool; zero if it is not given and no law needs it.
 pub fn tool(state: &wire::State, controller: &Controller) -> Result<[f64; 6]> {
+    check_names(state, controller)?;
     let name = &controller.config().robot.tips()[0].name;
     let (given, pointer) = match (&state.wrench, state.wrenches.get(name)) {
         (Some(_), Some(_)) => {
@@ -26,11 +27,6 @@ pub fn tool(state: &wire::State, controller: &Controller) -> Result<[f64; 6]> {
 /// Reads the wrenches at the tips other than the tool.
 pub fn other_tips(state: &wire::State, controller: &Controller) -> Result<Vec<TipWrench>> {
     let tips = controller.config().robot.tips();
-    for name in state.wrenches.keys() {
-        let names = || tips.iter().map(|tip| tip.name.as_str()).collect::<Vec<_>>().join("`, `");
-        let is_known = tips.iter().any(|tip| tip.name == *name);
-        check(is_known, &place(name), format_args!("the robot has no such tip; it has `{}`", names()))?;
-    }
     let mut wrenches = Vec::new();
     for (index, tip) in tips.iter().enumerate().skip(1) {
         match (state.wrenches.get(&tip.name), needed_by(controller, index)) {
@@ -43,6 +39,17 @@ pub fn other_tips(state: &wire::State, controller: &Controller) -> Result<Vec<Ti
         }
     }
     Ok(wrenches)
+}
+
+/// Refuses a wrench of no tip.
+fn check_names(state: &wire::State, controller: &Controller) -> Result<()> {
+    let tips = controller.config().robot.tips();
+    for name in state.wrenches.keys() {
+        let names = || tips.iter().map(|tip| tip.name.as_str()).collect::<Vec<_>>().join("`, `");
+        let is_known = tips.iter().any(|tip| tip.name == *name);
+        check(is_known, &place(name), format_args!("the robot has no such tip; it has `{}`", names()))?;
+    }
+    Ok(())
 }
 
 fn place(tip: &str) -> String {

@@ -26,6 +26,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));
+    warnings.extend(huge_shapes(request, config));
     warnings.extend(uncovered_links(request, config));
     warnings.extend(of_first_step(request, config));
     Ok(warnings)
@@ -54,14 +55,32 @@ fn missing_accelerations(config: &ControllerConfig) -> Option<String> {
     })
 }
 
+/// Number of links that a warning names.
+const MOST_NAMED: usize = 10;
+
+/// Lengths in millimetres cover everything, so that no pair is watched.
+fn huge_shapes(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
+    let robot = &config.robot;
+    let model = robot.collision().filter(|_| request.collisions.is_some())?;
+    let huge = model.capsules().iter().find(|capsule| capsule.radius > robot.reach())?;
+    Some(format!(
+        "a shape of link `{}` has a radius of {} m, more than the reach of the arm; are its lengths in m? Pairs that always touch are \
+         not watched",
+        robot.links()[huge.link.index()].name,
+        huge.radius
+    ))
+}
+
 /// What no shape covers is not kept clear.
 fn uncovered_links(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
     let uncovered = config.robot.collision().filter(|_| request.collisions.is_some())?.uncovered();
+    let more = uncovered.len().saturating_sub(MOST_NAMED);
+    let others = if more > 0 { format!(" and {more} more links") } else { String::new() };
     (!uncovered.is_empty()).then(|| {
         format!(
-            "no shape covers the links `{}` of `{}`: nothing keeps them clear; cover them by `shape_list` of the robot, on the link \
+            "no shape covers the links `{}`{others} of `{}`: nothing keeps them clear; cover them by `shape_list` of the robot, on the link \
              that carries them",
-            uncovered.join("`, `"),
+            uncovered[..uncovered.len() - more].join("`, `"),
             config.robot.name()
         )
     })

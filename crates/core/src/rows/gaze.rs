@@ -18,8 +18,8 @@ use crate::arm_state::ArmAt;
 use crate::law::{Law, Profile, TaskState, TaskVector};
 use crate::linalg::Matrix;
 
-/// Distance of a target below which the line of sight turns as at this distance, m.
-const NEAREST: f64 = 0.01;
+/// Distance of a target below which the line of sight turns as at this distance, m. Nearer, small motions of the eye would turn it wildly.
+const NEAREST: f64 = 0.1;
 
 /// Number of rows: a line of sight turns about two axes.
 const ROWS: usize = 2;
@@ -128,7 +128,7 @@ impl GazeRows {
         let pose = self.frame.pose(&self.frame.body_pose(configuration));
         let looks = pose.rotation * self.direction;
         let way = target - pose.translation.vector;
-        let line = way.try_normalize(NEAREST * 1e-6).unwrap_or(looks);
+        let line = way.try_normalize(1e-9).unwrap_or(looks);
         // b_1 and b_2 turn with the body.
         let side = self.direction.cross(&Vector3::ith(self.direction.iamin(), 1.0)).normalize();
         let across = [side, self.direction.cross(&side)].map(|side| pose.rotation * side);

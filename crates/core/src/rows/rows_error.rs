@@ -28,8 +28,8 @@ pub enum RowsError {
     Link,
     /// A law that reads the wrench is set on a body that is no tip.
     #[error(
-        "wrenches are measured at tips; a task of another link, or one that is seen from a link, can have the laws `pose` and \
-         `velocity`, or bounds, only"
+        "wrenches are measured at tips; a task of another link, or one that is seen from a link, can have the laws `pose`, \
+         `velocity` and `look_at`, or bounds, only"
     )]
     LinkLaw,
     /// Constant rows do not fit the robot or are not finite.

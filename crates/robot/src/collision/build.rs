@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use super::fit::FittedShapes;
 use super::pairs::choose_pairs;
-use crate::RobotModel;
 use crate::shape::{CollisionModel, LinkCapsule, StatedPair};
+use crate::{DisabledPair, RobotModel};
 
 /// Maximum number of capsules of a robot.
 pub const MAX_CAPSULES: usize = 256;
@@ -33,14 +33,17 @@ pub enum CollisionError {
 }
 
 impl RobotModel {
-    /// Returns the same robot with capsules from its text, as [`Self::with_capsules`] does.
-    pub fn with_fitted(self, shapes: FittedShapes, stated: &[StatedPair]) -> Result<Self, CollisionError> {
-        let robot = self.with_capsules(shapes.capsules, stated)?;
-        let model = robot.collision().map(|model| CollisionModel::clone(model).with_uncovered(shapes.uncovered));
-        Ok(match model {
-            Some(model) => robot.with_collision(model),
-            None => robot,
-        })
+    /// Returns the same robot with capsules from its text, as [`Self::with_capsules`] does. `disabled`: pairs of links of the text that
+    /// are left out, too.
+    pub fn with_fitted(
+        self,
+        shapes: FittedShapes,
+        stated: &[StatedPair],
+        disabled: &[DisabledPair],
+    ) -> Result<Self, CollisionError> {
+        let FittedShapes { capsules, names, uncovered } = shapes;
+        let model = self.collision_model(capsules, names, (stated, disabled))?.with_uncovered(uncovered);
+        Ok(self.with_collision(model))
     }
 
     /// Returns the same robot with these capsules; those it had before are forgotten. `stated`: pairs of links that are left out.
@@ -48,6 +51,18 @@ impl RobotModel {
     /// A pair is watched unless its links are the same or neighbours, it is stated, or it touches in every posture of a fixed
     /// sample.
     pub fn with_capsules(self, capsules: Vec<LinkCapsule>, stated: &[StatedPair]) -> Result<Self, CollisionError> {
+        let names = capsules.iter().map(|capsule| self.links()[capsule.link.index()].name.clone()).collect();
+        let model = self.collision_model(capsules, names, (stated, &[]))?;
+        Ok(self.with_collision(model))
+    }
+
+    /// Builds the model of checked capsules with the names of their links.
+    fn collision_model(
+        &self,
+        capsules: Vec<LinkCapsule>,
+        names: Vec<String>,
+        left_out: (&[StatedPair], &[DisabledPair]),
+    ) -> Result<CollisionModel, CollisionError> {
         if capsules.len() > MAX_CAPSULES {
             return Err(CollisionError::TooMany { given: capsules.len() });
         }
@@ -59,8 +74,7 @@ impl RobotModel {
             (link.joint, capsule.core.moved(&link.placement))
         };
         let carried = capsules.iter().map(carried).collect();
-        let model = choose_pairs(&self, CollisionModel::new(capsules, carried), stated);
-        Ok(self.with_collision(model))
+        Ok(choose_pairs(self, CollisionModel::new(capsules, carried), &names, left_out))
     }
 }
 

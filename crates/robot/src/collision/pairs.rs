@@ -1,9 +1,11 @@
 //! Which pairs of shapes must keep clear of each other.
 
+use std::collections::HashMap;
+
 use super::placed::PlacedBody;
 use crate::kinematics::Configuration;
 use crate::shape::{CollisionModel, LeftOutPair, PairReason, StatedPair, WatchedPair};
-use crate::{LinkId, RobotModel};
+use crate::{DisabledPair, LinkId, RobotModel};
 
 /// Number of postures in which a pair must touch to be left out.
 const SAMPLES: usize = 2000;
@@ -11,8 +13,19 @@ const SAMPLES: usize = 2000;
 /// Half of the range of a joint without limits in the sample, rad or m.
 const UNLIMITED: f64 = std::f64::consts::PI;
 
-/// Returns capsules without pairs with those pairs that are watched, and those that are left out.
-pub(super) fn choose_pairs(robot: &RobotModel, model: CollisionModel, stated: &[StatedPair]) -> CollisionModel {
+/// Returns capsules without pairs with those pairs that are watched, and those that are left out. `names`: the link of each capsule in the
+/// text of the robot.
+pub(super) fn choose_pairs(
+    robot: &RobotModel,
+    model: CollisionModel,
+    names: &[String],
+    (stated, disabled): (&[StatedPair], &[DisabledPair]),
+) -> CollisionModel {
+    let disabled: HashMap<[&str; 2], &str> =
+        disabled.iter().map(|pair| (sorted([&pair.links[0], &pair.links[1]]), pair.reason.as_str())).collect();
+    let of_text =
+        |i: usize, j: usize| disabled.get(&sorted([&names[i], &names[j]])).map(|reason| stated_by_text(reason));
+    let named = |i: usize, j: usize| [names[i].clone(), names[j].clone()];
     let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
     let capsules = model.capsules();
     for (j, second) in capsules.iter().enumerate() {
@@ -21,22 +34,31 @@ pub(super) fn choose_pairs(robot: &RobotModel, model: CollisionModel, stated: &[
             if first.link == second.link {
                 continue;
             }
-            match reason(robot, stated, links) {
-                Some(reason) => leave_out(&mut left_out, links, reason),
+            match of_text(i, j).or_else(|| reason(robot, stated, links)) {
+                Some(reason) => leave_out(&mut left_out, named(i, j), reason),
                 None => pairs.push([i, j]),
             }
         }
     }
     let farthest = farthest(robot, &model, &pairs);
     for (pair, _) in pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest < 0.0) {
-        leave_out(&mut left_out, pair.map(|capsule| capsules[capsule].link), PairReason::AlwaysTouch);
+        leave_out(&mut left_out, named(pair[0], pair[1]), PairReason::AlwaysTouch);
     }
     let watched = pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest >= 0.0);
     let watched = watched.map(|(pair, farthest)| WatchedPair { capsules: *pair, farthest_m: *farthest }).collect();
     model.with_pairs(watched, left_out)
 }
 
-fn leave_out(left_out: &mut Vec<LeftOutPair>, links: [LinkId; 2], reason: PairReason) {
+/// Returns two names in their order.
+fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
+    if a <= b { [a, b] } else { [b, a] }
+}
+
+fn stated_by_text(reason: &str) -> PairReason {
+    PairReason::Stated(if reason.is_empty() { "stated".to_owned() } else { reason.to_owned() })
+}
+
+fn leave_out(left_out: &mut Vec<LeftOutPair>, links: [String; 2], reason: PairReason) {
     let pair = LeftOutPair { links, reason };
     if !left_out.contains(&pair) {
         left_out.push(pair);

@@ -46,8 +46,8 @@ pub struct WatchedPair {
 /// A pair of links that is not watched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutPair {
-    /// The links.
-    pub links: [LinkId; 2],
+    /// Names of the links; of bodies that fixed joints connect with a link of the robot, those of the text.
+    pub links: [String; 2],
     /// Why.
     pub reason: PairReason,
 }

@@ -13,6 +13,8 @@ use crate::{LinkId, RobotModel};
 /// A body that a link carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkBody {
+    /// The link of the text.
+    pub name: String,
     /// The link of the robot that carries it: its own link, or one that fixed joints connect with it.
     pub link: LinkId,
     /// Its pose in the frame of the link, m.
@@ -79,7 +81,12 @@ impl RobotModel {
                 Some((carrier, placement)) if !collisions.is_empty() => {
                     for collision in collisions {
                         let (pose, form) = body(name, collision)?;
-                        found.bodies.push(LinkBody { link: *carrier, pose: placement * pose, form });
+                        found.bodies.push(LinkBody {
+                            name: name.to_owned(),
+                            link: *carrier,
+                            pose: placement * pose,
+                            form,
+                        });
                     }
                 }
                 _ if !collisions.is_empty() || child(link, "visual").is_some() => found.uncovered.push(name.to_owned()),

@@ -18,7 +18,7 @@ mod tree;
 mod words;
 
 pub use bodies::{BodyForm, LinkBodies, LinkBody};
-pub(crate) use document::parse;
+pub(crate) use document::{parse, robot};
 pub use error::UrdfError;
 pub use options::{UrdfOptions, UrdfTip, UrdfTreeOptions};
 

@@ -30,12 +30,18 @@ pub enum MeshError {
         name: String,
     },
     /// The file is no mesh.
-    #[error("cannot read the mesh {path}: {source}; STL, OBJ and COLLADA (.dae) are read")]
+    #[error("cannot read the mesh {path}: {source}")]
     Read {
         /// The file.
         path: PathBuf,
         /// What is wrong.
         source: std::io::Error,
+    },
+    /// The file has another format.
+    #[error("the mesh {path} is neither .stl nor .obj; convert it, or state capsules for its link in `shape_list`")]
+    Format {
+        /// The file.
+        path: PathBuf,
     },
     /// The mesh has no triangle, too many, or a corner that is not finite.
     #[error("the mesh {path} must have 1 to {MAX_TRIANGLES} triangles with finite corners")]
@@ -60,6 +66,11 @@ impl MeshDirectory {
     /// Reads the triangles of a file, m, with coordinates multiplied by `scale`.
     pub fn read(&self, name: &str, scale: &Vector3<f64>) -> Result<Vec<Triangle>, MeshError> {
         let path = self.find(name).ok_or_else(|| MeshError::NotFound { name: name.to_owned() })?;
+        let is_read =
+            |ending: &std::ffi::OsStr| ending.eq_ignore_ascii_case("stl") || ending.eq_ignore_ascii_case("obj");
+        if !path.extension().is_some_and(is_read) {
+            return Err(MeshError::Format { path });
+        }
         let scene = Loader::default().load(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?;
         let corner = |point: [f32; 3]| Vector3::from(point.map(f64::from)).component_mul(scale);
         let mut triangles = Vec::new();

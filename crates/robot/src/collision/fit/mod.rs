@@ -23,6 +23,8 @@ const MOST_PER_MESH: usize = 3;
 pub struct FittedShapes {
     /// Capsules that contain the bodies of the text.
     pub capsules: Vec<LinkCapsule>,
+    /// The link of the text that each capsule belongs to. It is not the link that carries it where fixed joints connect both.
+    pub names: Vec<String>,
     /// Links of the text that no capsule covers ([`LinkBodies::uncovered`](crate::LinkBodies::uncovered)).
     pub uncovered: Vec<String>,
 }
@@ -65,13 +67,14 @@ impl RobotModel {
         if found.bodies.is_empty() {
             return Err(FitError::NoBodies);
         }
-        let mut capsules = Vec::new();
+        let (mut capsules, mut names) = (Vec::new(), Vec::new());
         for body in &found.bodies {
             for FittedCapsule { core, radius } in self.fitted(body, meshes)? {
                 capsules.push(LinkCapsule { link: body.link, core: core.moved(&body.pose), radius });
+                names.push(body.name.clone());
             }
         }
-        Ok(FittedShapes { capsules, uncovered: found.uncovered })
+        Ok(FittedShapes { capsules, names, uncovered: found.uncovered })
     }
 
     fn fitted(&self, body: &LinkBody, meshes: Option<&MeshDirectory>) -> Result<Vec<FittedCapsule>, FitError> {

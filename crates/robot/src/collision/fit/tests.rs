@@ -197,6 +197,8 @@ fn a_mesh_is_found_beside_the_file_and_in_packages_and_contained() {
         files.read("package://arm_description/meshes/broken.stl", &one),
         Err(MeshError::Triangles { .. } | MeshError::Read { .. })
     ));
+    std::fs::write(meshes.join("scene.dae"), "<COLLADA/>").unwrap();
+    assert!(matches!(files.read("package://arm_description/meshes/scene.dae", &one), Err(MeshError::Format { .. })));
     assert!(matches!(files.read("package://arm_description/meshes/none.stl", &one), Err(MeshError::NotFound { .. })));
     std::fs::remove_dir_all(&directory).unwrap();
 }
