@@ -5,6 +5,8 @@
 mod problems;
 
 use problems::{Random, SMALL, problem, speed};
+use revprio_core::constraint::Inequality;
+use revprio_core::linalg::Damping;
 use revprio_core::resolution::{Method, Problem, Resolution, Resolver, Solve, Status};
 use revprio_core::task::{Task, TaskStack};
 use revprio_core::{
@@ -69,6 +71,77 @@ fn clarabel_and_the_core_agree_on_random_problems_with_limits() {
         // 1.4 and 4.2 % with Clarabel's tolerance of 1e-10, and 96 % with 1e-3.
         assert!(imprecise * 10 <= levels, "{method:?}: {imprecise} of {levels} levels before the polish");
     }
+}
+
+/// Returns one task that asks n joints for a velocity, in a box of half width 1, with constraints a·q̇ ≤ b of some levels.
+fn constrained(velocity: &[f64], constraints: &[(Vec<f64>, f64, u8)], damping: Option<Damping>) -> Problem {
+    let n = velocity.len();
+    let task = Task::new("rest", Matrix::identity(n, n), Vector::from_column_slice(velocity));
+    let limits = VelocityBox::new(&vec![-1.0; n], &vec![1.0; n]).unwrap();
+    let mut problem = Problem::new(TaskStack::new(vec![task]).unwrap());
+    problem.limits = limits;
+    problem.damping = damping;
+    for (k, (coefficients, bound, level)) in constraints.iter().enumerate() {
+        let mut inequality = Inequality::new(format!("c{k}"), coefficients.clone(), *bound).unwrap();
+        inequality.set_level(*level);
+        problem.inequalities.push(inequality);
+    }
+    problem
+}
+
+/// Two constraints that contradict each other: the higher level is kept, and within a level both give way alike.
+#[test]
+fn constraints_yield_to_those_of_higher_levels() {
+    let (mut qp, mut core) = (Qp::default(), Resolver::default());
+    let (above, below) = (vec![-1.0, 0.0], vec![1.0, 0.0]);
+    for (levels, expected) in [([0, 2], 0.5), ([2, 1], -0.5), ([1, 1], 0.0), ([0, 9], 0.5)] {
+        let constraints = [(above.clone(), -0.5, levels[0]), (below.clone(), -0.5, levels[1])];
+        let problem = constrained(&[0.1, 0.2], &constraints, None);
+        for solver in [&mut qp as &mut dyn Solve, &mut core] {
+            let answer = solve(solver, &problem);
+            assert!((answer.joint_velocity[0] - expected).abs() < 1e-9, "{levels:?}: {}", answer.joint_velocity);
+            assert!((answer.joint_velocity[1] - 0.2).abs() < 1e-9, "{levels:?}: {}", answer.joint_velocity);
+            assert!(answer.broken_constraints().next().is_some(), "{levels:?}");
+        }
+    }
+}
+
+/// Random constraints of random levels: both solvers agree, also with damping, and no level is violated more than without those below it.
+#[test]
+fn no_level_of_constraints_pays_for_a_lower_one() {
+    let (mut qp, mut core) = (Qp::default(), Resolver::default());
+    let mut random = Random::new(7);
+    let violation = |problem: &Problem, answer: &Resolution, level: u8| {
+        let own = problem.inequalities.iter().filter(|row| row.level() == level);
+        own.map(|row| row.violation(&answer.joint_velocity).powi(2)).sum::<f64>()
+    };
+    let mut broken = 0;
+    for case in 0..300 {
+        let n = 2 + case % 4;
+        let velocity: Vec<f64> = (0..n).map(|_| random.unit()).collect();
+        let rows = 2 + case % 7;
+        let constraints: Vec<(Vec<f64>, f64, u8)> =
+            (0..rows).map(|k| ((0..n).map(|_| random.unit()).collect(), random.unit() - 0.4, (k % 3) as u8)).collect();
+        let damping = (case % 2 == 1).then_some(Damping::STANDARD);
+        let problem = constrained(&velocity, &constraints, damping);
+        let (one, other) = (solve(&mut qp, &problem), solve(&mut core, &problem));
+        if one.solver.status == Status::Optimal && other.solver.status == Status::Optimal {
+            let error = (&one.joint_velocity - &other.joint_velocity).amax();
+            assert!(error < 1e-7, "case {case}: {error:e}");
+        }
+        if damping.is_some() {
+            continue;
+        }
+        for level in 0..3_u8 {
+            let mut above = problem.clone();
+            above.inequalities.retain(|row| row.level() <= level);
+            let alone = solve(&mut core, &above);
+            let (with, without) = (violation(&problem, &other, level), violation(&above, &alone, level));
+            broken += u32::from(without > 1e-6);
+            assert!((with - without).abs() < 1e-9, "case {case}, level {level}: {with} in place of {without}");
+        }
+    }
+    assert!(broken > 50, "{broken} levels are broken: too few to tell");
 }
 
 #[derive(Deserialize)]

@@ -11,7 +11,11 @@ pub struct Inequality {
     row: usize,
     coefficients: Vector,
     bound: f64,
+    level: u8,
 }
+
+/// The level of an inequality that states none. Levels are counted from 0, the highest: an inequality yields to those of higher levels.
+pub const LOWEST_CONSTRAINT_LEVEL: u8 = 2;
 
 /// Why an inequality is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -35,12 +39,13 @@ impl Inequality {
         if !coefficients.norm().is_normal() {
             return Err(InequalityError::Zero);
         }
-        Ok(Self { name: name.into(), row: 0, coefficients, bound })
+        Ok(Self { name: name.into(), row: 0, coefficients, bound, level: LOWEST_CONSTRAINT_LEVEL })
     }
 
     /// Returns 0·q̇ ≤ ∞ for n joints, which always holds, as row `row` (from 0) of the constraint with this name.
     pub fn always_satisfied(name: Arc<str>, row: usize, n: usize) -> Self {
-        Self { name, row, coefficients: Vector::zeros(n), bound: f64::INFINITY }
+        let coefficients = Vector::zeros(n);
+        Self { name, row, coefficients, bound: f64::INFINITY, level: LOWEST_CONSTRAINT_LEVEL }
     }
 
     /// Overwrites a and b without allocating. `write` overwrites a, n entries, and returns b. The checks of [`Self::new`] are not
@@ -56,9 +61,15 @@ impl Inequality {
         }
     }
 
-    /// Copies name and numbers of another row for as many joints, without allocating. The index of the row stays.
+    /// Puts the row into a level, 0 to [`LOWEST_CONSTRAINT_LEVEL`].
+    pub fn set_level(&mut self, level: u8) {
+        self.level = level.min(LOWEST_CONSTRAINT_LEVEL);
+    }
+
+    /// Copies name, level and numbers of another row for as many joints, without allocating. The index of the row stays.
     pub fn copy_from(&mut self, other: &Self) {
         self.rename(&other.name);
+        self.level = other.level;
         self.coefficients.copy_from(&other.coefficients);
         self.bound = other.bound;
     }
@@ -76,6 +87,11 @@ impl Inequality {
     /// Returns the index of this row in its constraint, from 0. A constraint of one row has the row 0.
     pub fn row(&self) -> usize {
         self.row
+    }
+
+    /// Returns the level among the constraints, 0 for the highest.
+    pub fn level(&self) -> u8 {
+        self.level
     }
 
     /// Returns a, n.

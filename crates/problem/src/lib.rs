@@ -38,7 +38,7 @@ pub use certificate::{Certificate, CertifiedLevel, CertifiedProblem, Multipliers
 pub use contradiction::Contradiction;
 pub use damping::Damping;
 pub use equation_rows::EquationRows;
-pub use inequality::{Inequality, InequalityError};
+pub use inequality::{Inequality, InequalityError, LOWEST_CONSTRAINT_LEVEL};
 pub use problem::{MAX_UNKNOWNS, Method, Problem, ProblemError, Solver};
 pub use singularity::Singularity;
 pub use solve::Solve;

@@ -1,6 +1,6 @@
 //! The problem that solvers solve.
 
-use crate::{BoundId, Damping, Inequality, TaskStack, Vector, VelocityBox};
+use crate::{BoundId, Damping, Inequality, LOWEST_CONSTRAINT_LEVEL, TaskStack, Vector, VelocityBox};
 
 /// The largest number of unknowns of a problem: joints, and one for each scaled task.
 pub const MAX_UNKNOWNS: usize = 136;
@@ -109,15 +109,21 @@ impl Problem {
         }
     }
 
-    /// Returns the names of the rows of the constraints, in the order of `inequalities`: each row 0 begins a constraint. Rows
-    /// without a bound are left out, because they always hold.
+    /// Returns the rows of the constraints with their names, the highest level first. Rows without a bound are left out, because they
+    /// always hold.
     pub fn constraint_rows(&self) -> impl Iterator<Item = (BoundId, &Inequality)> {
+        (0..=LOWEST_CONSTRAINT_LEVEL).flat_map(|level| {
+            self.named_rows().filter(move |(_, row)| row.level() == level && row.bound() < f64::INFINITY)
+        })
+    }
+
+    /// Returns all rows of the constraints with their names, in the order of `inequalities`: each row 0 begins a constraint.
+    fn named_rows(&self) -> impl Iterator<Item = (BoundId, &Inequality)> {
         let mut begun = 0;
-        let named = self.inequalities.iter().map(move |inequality| {
+        self.inequalities.iter().map(move |inequality| {
             begun += usize::from(inequality.row() == 0);
             (BoundId::Constraint { index: begun.saturating_sub(1), row: inequality.row() }, inequality)
-        });
-        named.filter(|(_, inequality)| inequality.bound() < f64::INFINITY)
+        })
     }
 
     /// Checks that there are at most [`MAX_UNKNOWNS`] unknowns, that all parts are about the same joints, and that the

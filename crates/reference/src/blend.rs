@@ -35,9 +35,8 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
     if damping.max_factor() == 0.0 || !(solution.is_bounded() || is_pinned) {
         return;
     }
-    let has_inequalities =
-        hierarchy.levels.first().is_some_and(|level| matches!(level.names[0], Some(BoundId::Constraint { .. })));
-    let hard = usize::from(has_inequalities);
+    let is_hard = |level: &&Level| matches!(level.names[0], Some(BoundId::Constraint { .. }));
+    let hard = hierarchy.levels.iter().take_while(is_hard).count();
     let mut weight = regularity(hierarchy, count, &solution.x, damping.threshold());
     if weight == 1.0 {
         return;
@@ -150,6 +149,7 @@ fn room(value: f64, lower: f64, upper: f64) -> f64 {
 /// What the answers X_k share.
 struct Reach<'a> {
     hierarchy: &'a Hierarchy,
+    /// Number of levels of hard inequalities above the tasks.
     hard: usize,
     /// x^f, the answer without limits and inequality rows.
     free: Vector,

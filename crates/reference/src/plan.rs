@@ -75,7 +75,7 @@ impl<'a> Posed<'a> {
                     hierarchy.reference = hierarchy.reference.push(0.0);
                 }
             }
-            hierarchy.push(inequalities(problem, hierarchy.unknowns()));
+            push_inequalities(problem, &mut hierarchy);
         }
         Self { problem, aim, knows_inequalities: limits, speeds, hierarchy }
     }
@@ -173,14 +173,18 @@ impl<'a> Posed<'a> {
     }
 }
 
-/// Returns the level of the hard inequalities, with rows of length one: they are violated by the least joint speed.
-fn inequalities(problem: &Problem, unknowns: usize) -> Level {
-    let mut level = Level::new(unknowns);
+/// Adds the levels of the hard inequalities, with rows of length one: they are violated by the least joint speed.
+fn push_inequalities(problem: &Problem, hierarchy: &mut Hierarchy) {
+    let mut levels: Vec<(u8, Level)> = Vec::new();
     for (id, inequality) in problem.constraint_rows() {
+        if levels.last().is_none_or(|(above, _)| *above != inequality.level()) {
+            levels.push((inequality.level(), Level::new(hierarchy.unknowns())));
+        }
+        let Some((_, level)) = levels.last_mut() else { continue };
         let norm = inequality.coefficients().norm();
         let norm = if norm > 0.0 { norm } else { 1.0 };
         let row = Matrix::from_row_slice(1, inequality.coefficients().len(), inequality.coefficients().as_slice());
         level.push(&(row / norm), &[f64::NEG_INFINITY], &[inequality.bound() / norm], |_| Some(id));
     }
-    level
+    levels.into_iter().for_each(|(_, level)| hierarchy.push(level));
 }

@@ -91,10 +91,10 @@ pub fn write_bounds(problem: &Problem, hierarchy: &Hierarchy, solution: &Solutio
             }
             let side = Side::of_multiplier(multiplier);
             let (value, length) = match id {
-                // Constraints are the rows of the first level, with length one.
+                // Constraints have rows of length one.
                 BoundId::Constraint { .. } => {
-                    let inequality = &problem.inequalities[row];
-                    (inequality.bound(), inequality.coefficients().norm())
+                    let found = problem.constraint_rows().find(|(other, _)| *other == id);
+                    found.map_or((f64::INFINITY, 1.0), |(_, row)| (row.bound(), row.coefficients().norm()))
                 }
                 _ if side == Side::Lower => (level.lower[row], 1.0),
                 _ => (level.upper[row], 1.0),

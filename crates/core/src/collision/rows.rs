@@ -33,6 +33,11 @@ const WAY_OF_A_PLACE: f64 = 0.02;
 /// ε for periods up to 1 ms, m. Longer periods have more, in proportion.
 const MARGIN: f64 = 2e-4;
 
+/// Levels of the rows among the constraints. What stands comes first: an arm does not flee into a wall. What moves comes next, before all
+/// constraints that state no level.
+const STANDING: u8 = 0;
+const MOVING: u8 = 1;
+
 /// Name of a row that no pair needs.
 pub const NAME: &str = "collision";
 
@@ -86,6 +91,7 @@ pub struct Rows {
 /// A row and the pair that it belongs to.
 struct Row<'a> {
     name: &'a Arc<str>,
+    level: u8,
     /// a, n, and b of a·u ≤ b.
     coefficients: &'a [f64],
     bound: f64,
@@ -217,7 +223,8 @@ impl Rows {
                 continue;
             }
             found += 1;
-            let row = Row { name: &pair.name, coefficients: &self.gradient, bound: bound.max(least) };
+            let level = if pair.obstacle_speed(scene.world) > 0.0 { MOVING } else { STANDING };
+            let row = Row { name: &pair.name, level, coefficients: &self.gradient, bound: bound.max(least) };
             let tightness = (most - row.bound) / (most - least);
             keep(&mut self.tightness, rows, &row, tightness);
         }
@@ -239,6 +246,7 @@ fn keep(tightness: &mut Vec<f64>, rows: &mut [Inequality], row: &Row, tight: f64
         place
     };
     rows[place].rename(row.name);
+    rows[place].set_level(row.level);
     rows[place].overwrite(|coefficients| {
         coefficients.copy_from_slice(row.coefficients);
         row.bound

@@ -9,7 +9,7 @@
 //! | `singularity_robust` | the same stages without the second level |
 //! | `pseudoinverse`, `damped_least_squares` | one: all rows as one level, with limits |
 //!
-//! Hard inequalities are a level above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
+//! Hard inequalities are levels above the tasks wherever limits apply. Damping first gives the velocities that the tasks then
 //! aim at (`targets`), or it is a part of a level: rows λ (q̇ − q̇') next to the rows of the level.
 
 use revprio_problem::{BoundId, Method, Problem};
@@ -168,7 +168,11 @@ impl Writer<'_> {
                 levels.push_unknown(0.0, *speed);
             }
         }
+        let mut level = None;
         for (id, inequality) in problem.constraint_rows() {
+            if level.replace(inequality.level()).is_some_and(|above| above != inequality.level()) {
+                levels.end_level();
+            }
             // Rows of length one: they are broken by the least joint speed.
             let norm = inequality.coefficients().norm();
             let norm = if norm > 0.0 { norm } else { 1.0 };

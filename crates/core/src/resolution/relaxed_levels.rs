@@ -27,7 +27,7 @@ pub struct RelaxedLevels {
     /// x^f, the answer without limits and without inequality rows.
     pub free: Solution,
     problem: Hierarchy,
-    /// Levels of hard inequalities above the tasks: 0 or 1.
+    /// Number of levels of hard inequalities above the tasks.
     hard: usize,
     /// The point that the next problem stays near to, at first x^s.
     near: Vec<f64>,

@@ -40,8 +40,8 @@ impl Smoothing {
 
     /// Replaces the exact solution X_K of a planned problem by the blend, if damping acts on what its limits leave.
     pub fn apply(&mut self, levels: &Hierarchy, damping: Damping, engine: &mut Engine, solution: &mut Solution) {
-        let first = levels.rows.first().and_then(|row| row.origin);
-        let hard = usize::from(matches!(first, Some(BoundId::Constraint { .. })));
+        let is_hard = |level: &&Level| matches!(levels.rows[level.start].origin, Some(BoundId::Constraint { .. }));
+        let hard = levels.levels.iter().take_while(is_hard).count();
         let is_pinned = levels.bounds().any(|(lower, upper)| lower == upper);
         let is_free = solution.working_set.is_empty() && !is_pinned;
         if is_free || damping.max_factor() == 0.0 {
