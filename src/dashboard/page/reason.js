@@ -77,7 +77,8 @@ function cause({ position_limit: range, velocity_limit: fastest }, sample, joint
 
 /** @type {(sample: LiveSample) => string[]} */
 function planeCauses({ active_inequalities: names }) {
-  return names.map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
+  const pair = (/** @type {string} */ name) => name.replace('collision:', '').replace('/', ' keeps clear of ');
+  return names.map((name) => (name.startsWith('collision:') ? pair(name) : name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
 }
 
 /** @type {(view: View, sample: LiveSample) => string[]} */

@@ -4,7 +4,7 @@ import { vec } from './arm.js';
 import { add, cross, dot, scale, sub, unit } from './geometry.js';
 import { box, cylinder, readMesh, reduced, sphere } from './mesh.js';
 import { rotate } from './rotation.js';
-import { brightness, shade } from './shading.js';
+import { brightness, lightOf, shade } from './shading.js';
 import { compose, linkFrames } from './urdf.js';
 
 /**
@@ -77,7 +77,7 @@ export function drawVisuals(context, camera, visuals, robot, position, atLimit, 
   const names = robot.joints.map(({ name }) => name);
   const frames = linkFrames(visuals.urdf, new Map(names.map((name, i) => [name, position[i] ?? 0])));
   const limited = new Set(visuals.urdf.joints.filter(({ name }) => atLimit[names.indexOf(name)]).map(({ child }) => child));
-  const light = unit(add(add(scale(camera.right, -0.45), scale(camera.up, 0.75)), scale(camera.back, 0.6)));
+  const light = lightOf(camera);
   /** @type {{depth: number, fill: string, corners: {x: number, y: number}[]}[]} */
   const faces = [];
   for (const { shape, triangles } of visuals.shapes) {

@@ -1,0 +1,119 @@
+// Tests of the overlay: shapes of the robot, obstacles and distances, in a session, in the setup and in a run.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForState, waitForText } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch();
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+const example = (name) => JSON.parse(readFileSync(`api/examples/${name}.json`, 'utf8'));
+
+/** Sends a request to the service. */
+async function call(path, body) {
+  const init = body && { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) };
+  const answer = await (await fetch(service.url + path, init)).json();
+  assert.equal(answer.detail, undefined);
+  return answer;
+}
+
+/** Opens the page at a fragment; afterwards it must have had no errors. */
+async function withPage(fragment, body) {
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#${fragment}`);
+  try {
+    await waitForState(page, 'connection', 'ready');
+    await body(page);
+    assert.deepEqual(pageErrors, []);
+  } finally {
+    await page.goto('about:blank');
+    await close();
+  }
+}
+
+/** Waits until the description of the scene matches. */
+const waitForScene = (page, pattern) => page.waitForFunction((source) => new RegExp(source).test(document.getElementById('scene').ariaLabel), pattern.source, { timeout: TIMEOUT_MS });
+
+/** Returns how many pixels of the scene have about one colour. */
+const pixels = (page, colour) => page.evaluate((colour) => {
+  const canvas = document.getElementById('scene');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) count += Number(colour.every((part, k) => Math.abs(data[i + k] - part) < 6));
+  return count;
+}, colour);
+
+/** Colours of the lines between pairs, light theme. */
+const NEAR = [138, 90, 0];
+const BELOW = [192, 16, 48];
+
+test('a session shows the distances of each answer, and a ball where its state says', options, () => withPage('', async (page) => {
+  const { id } = await call('/v1/controllers', example('controller_room'));
+  const { state } = example('step_room');
+  let sequence = 0;
+  const step = (position) => {
+    sequence += 1;
+    const obstacles = [{ name: 'ball', position }];
+    return call(`/v1/controllers/${id}/step`, { ...state, sequence, time_s: sequence * 0.004, obstacles });
+  };
+  await page.click('text=Live session');
+  await waitForState(page, 'phase', 'watching');
+  await step([0.2, 0.6, 0.3]);
+  await waitForScene(page, /nearest panda_link5 – panda_link3: 26 mm\./);
+  await waitForText(page, '#scene-legend', /shapes of the links ?obstacles ?panda_link5 – panda_link3: 26 mm$/);
+  await page.waitForTimeout(500);
+  const [near, below] = [await pixels(page, NEAR), await pixels(page, BELOW)];
+  assert.ok(near > 10 && below === 0, `${near} and ${below} pixels`);
+  // The ball is nearer to the end of the arm than the 20 mm to keep.
+  await step([0.364, 0, 0.5]);
+  await waitForScene(page, /nearest panda_link\d – ball: [−\d.]+ mm, below the distance to keep/);
+  await page.waitForTimeout(300);
+  assert.ok(await pixels(page, BELOW) > 10);
+  // The switch hides everything, and the page remembers it.
+  assert.equal(await page.getAttribute('#shapes', 'aria-pressed'), 'true');
+  await page.click('#shapes');
+  await waitForScene(page, /^(?!.*nearest)/);
+  await page.reload();
+  await waitForState(page, 'connection', 'ready');
+  await page.click('text=Live session');
+  await waitForState(page, 'phase', 'watching');
+  await step([0.2, 0.6, 0.3]);
+  await page.waitForFunction(() => document.getElementById('shapes').ariaPressed === 'false');
+  assert.doesNotMatch(await page.getAttribute('#scene', 'aria-label'), /nearest/);
+  await page.click('#shapes');
+  await waitForScene(page, /nearest panda_link5/);
+}));
+
+test('the page computes the same frames of the links as the service', options, () => withPage('', async (page) => {
+  await call('/v1/robots', example('robot_two_arms'));
+  const worst = await page.evaluate(async () => {
+    const { LinkPoses } = await import('/dashboard/link_poses.js');
+    const ask = async (path, body) => (await fetch(path, body && { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+    let difference = 0;
+    for (const name of ['panda', 'ur5e', 'sawyer', 'planar_3r', 'two-arms']) {
+      const robot = await ask(`/v1/robots/${name}`);
+      const poses = await LinkPoses.learn(robot, robot.links);
+      if (poses.unknown.length > 0) return `${name}: ${poses.unknown}`;
+      const joint_position = robot.joints.map((joint, i) => 0.3 * Math.sin(1 + i) + ((joint.position_limit?.[0] ?? -1) + (joint.position_limit?.[1] ?? 1)) / 2);
+      const frames = poses.at(joint_position);
+      for (const link of robot.links) {
+        const { pose } = await ask('/v1/kinematics', { robot: name, joint_position, link });
+        const { position, orientation } = frames.get(link);
+        const turn = ['w', 'x', 'y', 'z'].reduce((sum, part) => sum + orientation[part] * pose.orientation[part], 0);
+        difference = Math.max(difference, Math.abs(Math.abs(turn) - 1), ...position.map((value, k) => Math.abs(value - pose.position[k])));
+      }
+    }
+    return difference;
+  });
+  assert.ok(worst < 1e-9, String(worst));
+}));
