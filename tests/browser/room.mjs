@@ -76,7 +76,7 @@ test('a session shows the distances of each answer, and a ball where its state s
   assert.ok(near > 10 && below === 0, `${near} and ${below} pixels`);
   // The ball is nearer to the end of the arm than the 20 mm to keep.
   await step([0.364, 0, 0.5]);
-  await waitForScene(page, /nearest panda_link\d – ball: [−\d.]+ mm, below the distance to keep/);
+  await waitForScene(page, /nearest panda_link\d – ball: [−\d.]+ mm, too near/);
   await page.waitForTimeout(300);
   assert.ok(await pixels(page, BELOW) > 10);
   // The switch hides everything, and the page remembers it.

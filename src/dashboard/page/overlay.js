@@ -178,5 +178,5 @@ function endPoint(context, { x, y }, radius, colour) {
 
 /** @type {(pair: Pair) => string} */
 export function nearestText({ a, b, distance: length, level }) {
-  return `${a} – ${b}: ${millimetres(length)}${level === 'below' ? ', below the distance to keep' : ''}`;
+  return `${a} – ${b}: ${millimetres(length)}${level === 'below' ? ', too near' : ''}`;
 }
