@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForState, waitForText } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, findInScene, launch, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
 
 let browser;
 let service;
@@ -116,4 +116,49 @@ test('the page computes the same frames of the links as the service', options, (
     return difference;
   });
   assert.ok(worst < 1e-9, String(worst));
+}));
+
+/** The place that the form shows for an obstacle. */
+const placeOf = async (page, i) => (await page.inputValue(`#obstacles input >> nth=${i}`)).split(' ').map(Number);
+
+test('obstacles are added, typed, dragged and removed, and the arm keeps clear of them', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  // Without obstacles the controller keeps clear of nothing; the switch shows the shapes all the same.
+  assert.equal(await page.getAttribute('#shapes', 'aria-pressed'), 'false');
+  await page.click('#obstacles-part summary');
+  await page.click('#add-sphere');
+  await waitForScene(page, /nearest panda_link\d – panda_link\d: \d+ mm/);
+  assert.equal(await page.getAttribute('#shapes', 'aria-pressed'), 'true');
+  await waitForText(page, '#obstacles', /sphere 1/);
+  const start = await placeOf(page, 0);
+  await page.waitForTimeout(800);
+  const found = await findInScene(page, 'liftable');
+  await page.mouse.down();
+  await page.mouse.move(found.x - 30, found.y + 40, { steps: 8 });
+  await page.mouse.up();
+  await page.waitForFunction((text) => document.querySelector('#obstacles input').value !== text, start.join(' '));
+  const dragged = await placeOf(page, 0);
+  assert.ok(dragged[2] < start[2] - 0.02, `${start} to ${dragged}`);
+  await page.click('#undo');
+  await page.waitForFunction((text) => document.querySelector('#obstacles input').value === text, start.join(' '));
+
+  // A run goes on from its posture when an obstacle is added. Its target is inside the sphere.
+  await page.click('#go');
+  await waitForClock(page, 0.2);
+  const words = /tool at (\S+), (\S+), (\S+) m/.exec(await page.getAttribute('#scene', 'aria-label'));
+  const tool = words.slice(1).map((text) => Number(text.replace('−', '-')));
+  await page.fill('#obstacles input', [tool[0] + 0.17, tool[1], tool[2]].map((value) => value.toFixed(3)).join(' '));
+  await page.keyboard.press('Tab');
+  await page.waitForFunction((x) => document.querySelector('#obstacles input').value.startsWith(x), (tool[0] + 0.17).toFixed(3));
+  await waitForState(page, 'phase', 'running');
+  await page.focus('#scene');
+  for (let i = 0; i < 12; i += 1) await page.keyboard.press('Shift+ArrowRight');
+  await waitForText(page, '#reason', /[Pp]anda_link\d keeps clear of sphere 1.*gives up [\d.]+ m\/s/);
+  await waitForScene(page, /nearest panda_link\d – sphere 1: 2\d mm/);
+  assert.doesNotMatch(await page.getAttribute('#scene', 'aria-label'), /too near/);
+  await page.fill('#obstacles input', 'here');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.getAttribute('#obstacles input', 'aria-invalid'), 'true');
+  await page.click('[aria-label="Remove sphere 1"]');
+  await page.waitForFunction(() => document.querySelectorAll('#obstacles li').length === 0);
+  await waitForScene(page, /^(?!.*nearest)/);
 }));

@@ -10,12 +10,13 @@ import { drawNumbers } from './numbers.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
+import { roomController } from './room.js';
 import * as roomSwitch from './room_switch.js';
 import { Scene } from './scene.js';
 import { state } from './state.js';
 import * as theme from './theme.js';
 import * as timeline from './timeline.js';
-import { shownController, view } from './view.js';
+import { view } from './view.js';
 import { world } from './world.js';
 
 /** Minimum interval between two drawings of the scene and of the plots, ms: about 20 and 10 per second. */
@@ -39,7 +40,7 @@ timeline.bind(runControl);
 pointer.bind(scene, runControl);
 exporting.bind(runControl, scene, attempt);
 
-roomSwitch.bind(() => shownController(runControl), () => { needsRedraw = true; });
+roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
 theme.onTheme(() => { needsRedraw = true; });
 element('notice-close').onclick = hideNotice;
@@ -76,7 +77,7 @@ function draw(now) {
   drawNumbers(runControl, data, shown.room);
   timeline.drawTimeline(runControl);
   drawSceneLegend(runControl, shown.room);
-  roomSwitch.show(shownController(runControl), runControl.robot);
+  roomSwitch.show(roomController(runControl), runControl.robot);
 }
 requestAnimationFrame(draw);
 

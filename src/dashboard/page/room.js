@@ -4,10 +4,11 @@ import { vec } from './arm.js';
 import { Clearance } from './clearance.js';
 import { LinkPoses } from './link_poses.js';
 import { isShown } from './room_switch.js';
+import { obstaclesOf as setupObstacles } from './obstacles.js';
 import { movedTo, ofLink, ofObstacle } from './solids.js';
 import { add, sub } from './geometry.js';
 import { inverse, multiply, rotate } from './rotation.js';
-import { shownController, shownSample } from './view.js';
+import { shownSample } from './view.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -38,16 +39,28 @@ const SLACK = 1e-5;
 /** Distance that a controller keeps if it does not state one, m. */
 const DEFAULT_DISTANCE = 0.01;
 
+/** Time after which the page asks again for places that the service did not tell, ms. */
+const RETRY_AFTER = 5000;
+
 /** Places of the links by robot; null until the service has answered. @type {WeakMap<Robot, LinkPoses | null>} */
 const known = new WeakMap();
 
 /** @type {Clearance | null} */
 let clearance = null;
 
+/** Returns the controller whose obstacles are shown: that of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
+export function roomController(runControl) {
+  const { watch, applied, draggedObstacle } = runControl;
+  if (watch) return watch.session.controller;
+  const controller = applied?.controller;
+  if (!draggedObstacle || !controller?.collisions) return controller;
+  return { ...controller, collisions: { ...controller.collisions, obstacles: setupObstacles(runControl) } };
+}
+
 /** Returns the overlay; null if the switch is off. @type {(runControl: RunControl) => Room | null} */
 export function room(runControl) {
   const { robot } = runControl;
-  const controller = shownController(runControl);
+  const controller = roomController(runControl);
   if (!robot || !controller || !isShown(controller)) return null;
   const position = postureOf(runControl);
   const poses = posesOf(robot, runControl.onChange);
@@ -75,7 +88,7 @@ function posesOf(robot, onReady) {
     LinkPoses.learn(robot, links).then((poses) => {
       known.set(robot, poses);
       onReady();
-    }, () => known.delete(robot));
+    }, () => setTimeout(() => known.delete(robot), RETRY_AFTER));
   }
   return known.get(robot) ?? null;
 }

@@ -15,10 +15,10 @@ export function isShown(controller) {
   return kept === null ? Boolean(controller.collisions) : kept === 'on';
 }
 
-/** @type {(shownController: () => Controller | undefined, onChange: () => void) => void} */
-export function bind(shownController, onChange) {
+/** @type {(roomController: () => Controller | undefined, onChange: () => void) => void} */
+export function bind(roomController, onChange) {
   element('shapes').onclick = () => {
-    const controller = shownController();
+    const controller = roomController();
     if (!controller) return;
     localStorage.setItem(STORAGE_KEY, isShown(controller) ? 'off' : 'on');
     onChange();

@@ -1,7 +1,7 @@
 // Shapes that keep clear of each other: capsules, spheres, boxes and half-spaces, as the page draws them.
 
 import { vec } from './arm.js';
-import { add, mix, scale, sub, unit } from './geometry.js';
+import { add, mix, scale, sub } from './geometry.js';
 import { IDENTITY, rotate } from './rotation.js';
 
 /**
@@ -39,7 +39,7 @@ export function ofObstacle({ name, sphere, capsule, box, half_space: plane }) {
   }
   if (!plane) return null;
   const length = Math.hypot(...plane.normal);
-  return length > 0 ? { kind: 'half_space', name, normal: unit(vec(plane.normal)), offset: plane.offset_m / length } : null;
+  return length > 0 ? { kind: 'half_space', name, normal: scale(vec(plane.normal), 1 / length), offset: plane.offset_m } : null;
 }
 
 /** Returns the middle of a shape; null for a half-space. @type {(solid: Solid) => Vec3 | null} */
