@@ -2,6 +2,7 @@
 
 import { vec } from './arm.js';
 import { add, scale, sub, unit } from './geometry.js';
+import { fromVector, rotate } from './rotation.js';
 import { middleOf, ofObstacle } from './solids.js';
 
 /**
@@ -17,6 +18,9 @@ const AWAY = 0.3;
 
 /** Distance that a controller keeps which states none, m. */
 const MIN_DISTANCE = 0.02;
+
+/** Angle about the tool between new obstacles, rad. */
+const SPREAD = 0.8;
 
 /** Height and radius of a new post, m, edges of a new box and radius of a new sphere. */
 const POST = { height: 0.7, radius: 0.04 };
@@ -41,7 +45,10 @@ export function newObstacle(obstacles, kind, tool) {
   let number = 1;
   while (obstacles.some(({ name }) => name === `${kind} ${number}`)) number += 1;
   const name = `${kind} ${number}`;
-  const outwards = Math.hypot(tool[0], tool[1]) > 0.01 ? unit([tool[0], tool[1], 0]) : vec([1, 0, 0]);
+  const ahead = Math.hypot(tool[0], tool[1]) > 0.01 ? unit([tool[0], tool[1], 0]) : vec([1, 0, 0]);
+  // Not at the place of the obstacle before it.
+  const side = Math.ceil(obstacles.length / 2) * (obstacles.length % 2 === 0 ? SPREAD : -SPREAD);
+  const outwards = rotate(fromVector([0, 0, side]), ahead);
   const [x, y, z] = rounded(add(tool, scale(outwards, AWAY)));
   if (kind === 'sphere') return { name, sphere: { center: [x, y, z], radius: SPHERE } };
   if (kind === 'post') return { name, capsule: { start: [x, y, 0], end: [x, y, POST.height], radius: POST.radius } };
