@@ -169,8 +169,8 @@ test('files that are not readable have a reason', options, () => withPage(async 
 
 /** A robot with two links; each has a mesh. */
 const URDF = `<robot name="painted"><material name="blue"><color rgba="0 0 1 1"/></material>
-  <link name="base"><visual><geometry><mesh filename="package://painted/meshes/base.dae" scale="3 3 3"/></geometry></visual></link>
-  <link name="arm"><visual><geometry><mesh filename="meshes/arm.glb" scale="0.4 0.4 0.4"/></geometry></visual></link>
+  <link name="base"><visual><geometry><mesh filename="package://painted/meshes/base.dae" scale="1.2 1.2 1.2"/></geometry></visual></link>
+  <link name="arm"><visual><geometry><mesh filename="meshes/arm.glb" scale="0.3 0.3 0.3"/></geometry></visual></link>
   <link name="tool"><visual><geometry><sphere radius="0.05"/></geometry><material name="blue"/></visual></link>
   <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2" effort="9"/></joint>
   <joint name="bend" type="revolute"><parent link="arm"/><child link="tool"/><origin xyz="0.3 0 0.4"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="2" effort="9"/></joint>

@@ -118,6 +118,23 @@ test('the page computes the same frames of the links as the service', options, (
   assert.ok(worst < 1e-9, String(worst));
 }));
 
+/** A joint that copies another one: the page cannot compute the frame of the link behind it. */
+const MIMIC = `<robot name="copy"><link name="base"/><link name="upper"/><link name="slide"/><link name="copied"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+  <joint name="push" type="prismatic"><parent link="upper"/><child link="slide"/><origin xyz="0.3 0 0" rpy="0.3 0.2 0.1"/><axis xyz="1 1 0"/><limit lower="0" upper="0.4" velocity="1" effort="1"/></joint>
+  <joint name="copy" type="revolute"><parent link="slide"/><child link="copied"/><origin xyz="0.1 0 0.2"/><axis xyz="0 1 0"/><mimic joint="turn" multiplier="2"/><limit lower="-4" upper="4" velocity="4" effort="1"/></joint>
+</robot>`;
+
+test('a link whose place is not known is named and not drawn', options, () => withPage('', async (page) => {
+  const shape_list = ['upper', 'slide', 'copied'].map((link) => ({ link, sphere: { radius: 0.05 } }));
+  await call('/v1/robots', { name: 'copy', urdf: MIMIC, tips: [{ name: 'copied', link: 'copied' }], shape_list });
+  await page.reload();
+  await waitForState(page, 'connection', 'ready');
+  await page.selectOption('#robot', 'copy');
+  await page.click('#shapes');
+  await waitForText(page, '#scene-legend', /shapes of the links.*not drawn: copied/);
+}));
+
 /** The place that the form shows for an obstacle. */
 const placeOf = async (page, i) => (await page.inputValue(`#obstacles input >> nth=${i}`)).split(' ').map(Number);
 
