@@ -120,7 +120,7 @@ async function measure({ urdfText, counts, frames, links }) {
     const geometry = body(count / links);
     const triangles = new Float32Array(geometry.attributes.position.array);
     const total = (visuals.shapes.length * triangles.length) / 9;
-    visuals.shapes.forEach((entry) => { entry.triangles = triangles; });
+    visuals.shapes.forEach((entry) => { entry.parts = [{ triangles, colour: null }]; });
     const robot = { joints: names.map((name) => ({ name })) };
     const canvas = onCanvas((context, frame) => visualsFile.drawVisuals(context, camera, visuals, robot, position(frame), [], colours));
     results.push({ what: `canvas, ${total} triangles`, ...canvas });

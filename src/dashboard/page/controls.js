@@ -2,6 +2,7 @@
 
 import * as editing from './editing.js';
 import { element } from './notices.js';
+import * as obstaclesForm from './obstacles_form.js';
 import * as planesForm from './planes_form.js';
 import * as robotsForm from './robots_form.js';
 import * as sessionsForm from './sessions_form.js';
@@ -53,10 +54,11 @@ function bindSetup(runControl, attempt) {
     attempt(async () => {
       await runControl.change(part);
       saveInAddress();
-      if (part.order || part.planes) showLists(runControl, change);
+      if (part.order || part.planes || part.obstacles) showLists(runControl, change);
     });
   };
   planesForm.bind(runControl, change);
+  obstaclesForm.bind(runControl, change);
   button('undo').onclick = () => attempt(async () => {
     await editing.undo(runControl);
     showSetup(runControl, change);
@@ -115,11 +117,12 @@ function showSetup(runControl, change) {
   element('contacts').replaceChildren(...contactFields(runControl, change));
 }
 
-/** Shows tasks and planes. @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
+/** Shows tasks, planes and obstacles. @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
 function showLists(runControl, change) {
   element('tasks').replaceChildren(...taskItems(runControl, change));
   focusMoved();
   element('planes').replaceChildren(...planesForm.planeItems(runControl, change));
+  obstaclesForm.show(runControl, change);
 }
 
 /** @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => HTMLElement[]} */

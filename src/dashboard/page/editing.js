@@ -97,7 +97,7 @@ async function apply(runControl, change, continues = false) {
   runControl.onChange();
   if (!runControl.isActive) return;
   for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
-  if (change.order || change.planes) {
+  if (change.order || change.planes || change.obstacles !== undefined) {
     await restart(runControl);
   } else {
     const command = commandFor(runControl, change);
@@ -195,6 +195,7 @@ function describe({ scenario }, change) {
   }
   if (change.order) texts.push('tasks reordered');
   if (change.planes) texts.push(change.planes.length > 0 ? `planes: ${change.planes.map(({ name }) => name).join(', ')}` : 'planes removed');
+  if (change.obstacles !== undefined) texts.push(change.obstacles?.length ? `obstacles: ${change.obstacles.map(({ name }) => name).join(', ')}` : 'obstacles removed');
   if (change.targets) texts.push('target moved');
   return texts;
 }

@@ -1,6 +1,7 @@
 // Keeps the arm, its target and its contacts inside the picture.
 
 import { vec } from './arm.js';
+import { endsOf } from './solids.js';
 import { add, dot, mix, norm, scale, sub } from './geometry.js';
 
 /**
@@ -20,6 +21,9 @@ const SPEED = 0.25;
 
 /** Reach of the shown walls around the tool, m, and of the arm around its joints. */
 const MARGIN = 0.06;
+
+/** Distance from the base within which obstacles are kept in the picture, m. */
+const REACH = 1.5;
 
 export class Framing {
   /** @param {Camera} camera */
@@ -116,7 +120,7 @@ export class Framing {
 }
 
 /** @type {(world: World) => Vec3[]} */
-function shownPoints({ arm, goal, contacts, ghost }) {
+function shownPoints({ arm, goal, contacts, ghost, room }) {
   const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position, ...(shown.chains ?? []).map(({ tip }) => tip)] : []));
   const points = arms.map(vec);
   if (goal) points.push(vec(goal.pose.position));
@@ -125,6 +129,7 @@ function shownPoints({ arm, goal, contacts, ghost }) {
     const distance = dot(sub(at, tool), inwards);
     if (Math.abs(distance) < 0.4) points.push(add(tool, scale(inwards, distance)));
   }
+  points.push(...(room?.obstacles ?? []).flatMap(endsOf).filter((point) => norm(point) < REACH));
   /** @type {Vec3[]} */
   const all = [[0, 0, 0]];
   for (const point of points) {

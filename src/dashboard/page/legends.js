@@ -6,6 +6,7 @@ import { element } from './notices.js';
 import { DASHES } from './plots.js';
 import { tasksShown } from './pose_plot.js';
 import { methodName } from './setup.js';
+import { nearestText } from './overlay.js';
 import { palette } from './theme.js';
 
 /**
@@ -63,17 +64,31 @@ export function drawLegends(view) {
   }
 }
 
-/** Shows the method of the ghost arm in the scene. @type {(runControl: RunControl) => void} */
-export function drawSceneLegend(runControl) {
+/** Shows in the scene what is drawn: the method of the ghost arm, shapes, obstacles, and the nearest pair. @type {(runControl: RunControl, room: import('./room.js').Room | null) => void} */
+export function drawSceneLegend(runControl, room) {
   const list = element('scene-legend');
-  const ghost = runControl.ghost ? methodName(runControl.ghost.simulation.method) : '';
-  if (list.dataset.ghost === ghost) return;
-  list.dataset.ghost = ghost;
-  if (!ghost) {
-    list.replaceChildren();
-    return;
-  }
-  const item = document.createElement('li');
-  item.append(entry('ghost', palette().ghost, ghost));
-  list.replaceChildren(item);
+  const colours = palette();
+  const ghost = runControl.ghost ? [entry('ghost', colours.ghost, methodName(runControl.ghost.simulation.method))] : [];
+  const items = [...ghost, ...roomEntries(room)].map((line) => {
+    const item = document.createElement('li');
+    item.append(line);
+    return item;
+  });
+  const text = items.map((item) => item.outerHTML).join('');
+  if (list.dataset.shown === text) return;
+  list.dataset.shown = text;
+  list.replaceChildren(...items);
+}
+
+/** @type {(room: import('./room.js').Room | null) => HTMLElement[]} */
+function roomEntries(room) {
+  if (!room) return [];
+  const { room: colours } = palette();
+  const [nearest] = room.pairs;
+  return [
+    ...(room.shapes.length > 0 ? [entry('block', `rgb(${colours.shape})`, 'shapes of the links')] : []),
+    ...(room.unknown.length > 0 ? [entry('block', `rgb(${colours.shape})`, `not drawn: ${room.unknown.join(', ')}`)] : []),
+    ...(room.obstacles.length > 0 ? [entry('block', `rgb(${colours.obstacle})`, 'obstacles')] : []),
+    ...(nearest ? [entry('', colours[nearest.level], nearestText(nearest))] : []),
+  ];
 }

@@ -10,6 +10,8 @@ import { drawNumbers } from './numbers.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
+import { roomController } from './room.js';
+import * as roomSwitch from './room_switch.js';
 import { Scene } from './scene.js';
 import { state } from './state.js';
 import * as theme from './theme.js';
@@ -38,6 +40,7 @@ timeline.bind(runControl);
 pointer.bind(scene, runControl);
 exporting.bind(runControl, scene, attempt);
 
+roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
 theme.onTheme(() => { needsRedraw = true; });
 element('notice-close').onclick = hideNotice;
@@ -71,9 +74,10 @@ function draw(now) {
   controls.refresh(runControl);
   drawFigures(data);
   drawLegends(data);
-  drawNumbers(runControl, data);
+  drawNumbers(runControl, data, shown.room);
   timeline.drawTimeline(runControl);
-  drawSceneLegend(runControl);
+  drawSceneLegend(runControl, shown.room);
+  roomSwitch.show(roomController(runControl), runControl.robot);
 }
 requestAnimationFrame(draw);
 

@@ -1,13 +1,34 @@
-// Triangles of meshes: reads STL and OBJ files, makes simple bodies, and reduces large meshes.
+// Triangles of meshes: reads mesh files, makes simple bodies, and reduces large meshes.
+
+import { readCollada } from './collada.js';
+import { readGltf } from './gltf.js';
 
 /** @typedef {import('./types.js').Vec3} Vec3 */
 /** Three corners per triangle, x y z each: nine numbers. @typedef {Float32Array} Triangles */
 
-/** @type {(name: string, data: ArrayBuffer) => Triangles | null} null for unknown formats */
-export function readMesh(name, data) {
-  if (/\.stl$/i.test(name)) return readStl(data);
-  if (/\.obj$/i.test(name)) return readObj(new TextDecoder().decode(data));
-  return null;
+/**
+ * Reads a mesh file. Throws an error with the reason if it is not readable.
+ * @param {string} name
+ * @param {ArrayBuffer} data
+ * @param {import('./gltf.js').Load} load reads other files that it names
+ * @returns {Promise<import('./mesh_parts.js').Part[]>}
+ */
+export async function readMesh(name, data, load) {
+  const parts = await partsOf(name, data, load);
+  const filled = parts.filter(({ triangles }) => triangles.length > 0);
+  if (filled.length === 0) throw new Error('it has no triangles');
+  if (filled.some(({ triangles }) => !triangles.every(Number.isFinite))) throw new Error('a corner of it is not a number');
+  return filled;
+}
+
+/** @type {(name: string, data: ArrayBuffer, load: import('./gltf.js').Load) => Promise<import('./mesh_parts.js').Part[]>} */
+async function partsOf(name, data, load) {
+  const text = () => new TextDecoder().decode(data);
+  if (/\.stl$/i.test(name)) return [{ triangles: readStl(data), colour: null }];
+  if (/\.obj$/i.test(name)) return [{ triangles: readObj(text()), colour: null }];
+  if (/\.dae$/i.test(name)) return readCollada(text());
+  if (/\.(gltf|glb)$/i.test(name)) return readGltf(data, load);
+  throw new Error('its format is not known');
 }
 
 /** @type {(data: ArrayBuffer) => Triangles} */

@@ -3,6 +3,7 @@
 import { forceAxes, forceLabel } from './force_plot.js';
 import { element } from './notices.js';
 import { angle, distance, fixed, microseconds, scientific } from './number.js';
+import { nearestText } from './overlay.js';
 import { reason } from './reason.js';
 import { methodName } from './setup.js';
 import { state } from './state.js';
@@ -30,8 +31,8 @@ function setText(id, text) {
   if (shown.textContent !== text) shown.textContent = text;
 }
 
-/** Shows the current numbers. @type {(runControl: RunControl, view: View) => void} */
-export function drawNumbers(runControl, view) {
+/** Shows the current numbers. @type {(runControl: RunControl, view: View, room: import('./room.js').Room | null) => void} */
+export function drawNumbers(runControl, view, room) {
   const { run, watch } = runControl;
   const { sample } = view;
   const running = watch ? watch.session.controller : run?.simulation;
@@ -44,7 +45,9 @@ export function drawNumbers(runControl, view) {
   setText('reason', why.text);
   element('reason').dataset.kind = why.kind;
   drawReadouts(runControl, view, main);
-  describe(runControl, view, main.text, why.text);
+  const nearest = room?.pairs[0];
+  const text = nearest ? `${main.text}; nearest ${nearestText(nearest)}` : main.text;
+  describe(runControl, view, text, why.text);
 }
 
 /** @type {(view: View) => {text: string, row: [string, string]}} */

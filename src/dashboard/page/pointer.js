@@ -1,8 +1,9 @@
-// Mouse, touch and keyboard in the scene: orbit, zoom, push the tool, move the target.
+// Mouse, touch and keyboard in the scene: orbit, zoom, push the tool, move the target and obstacles.
 
 import { axisOf, vec } from './arm.js';
 import { add, norm, scale } from './geometry.js';
 import { element } from './notices.js';
+import { dropObstacle, moveObstacle, obstacleAt } from './obstacle_drag.js';
 import { state } from './state.js';
 import { dropTarget, handle, moveTarget } from './target.js';
 import { shownArm } from './view.js';
@@ -43,6 +44,9 @@ function bindPointer(scene, runControl) {
   let grab = null;
   /** @type {{x: number, y: number, scale: number} | null} where the pointer last moved the target */
   let held = null;
+  /** @type {{x: number, y: number, scale: number, obstacle: import('./types.js').RoomObstacle} | null} where the pointer grabbed an obstacle */
+  let lifted = null;
+  const under = (/** @type {PointerEvent} */ event) => obstacleAt(runControl, camera, event.offsetX, event.offsetY);
   const toolSpot = () => {
     const arm = shownArm(runControl);
     return arm && runControl.cursor === null ? camera.project(vec(arm.tool.position)) : null;
@@ -66,13 +70,16 @@ function bindPointer(scene, runControl) {
     const [spot, goal] = [toolSpot(), goalSpot()];
     if (goal && fingers.size === 1 && isOnGoal(event)) held = { x: event.offsetX, y: event.offsetY, scale: goal.scale };
     else if (spot && fingers.size === 1 && isNear(event)) grab = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
+    else if (fingers.size === 1) lifted = liftedBy(event, under(event));
     canvas.classList.add('held');
   };
   canvas.onpointermove = (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) {
       canvas.classList.toggle('movable', isOnGoal(event));
+      const isTaken = isOnGoal(event) || isNear(event);
       canvas.classList.toggle('grabbable', !isOnGoal(event) && isNear(event));
+      canvas.classList.toggle('liftable', !isTaken && under(event) !== null);
       return;
     }
     const now = { x: event.offsetX, y: event.offsetY };
@@ -84,6 +91,8 @@ function bindPointer(scene, runControl) {
     } else if (grab) {
       const displacement = camera.unproject(now.x - grab.x, now.y - grab.y, grab.scale);
       runControl.pushWith(limited(scale(displacement, FORCE_PER_METER)));
+    } else if (lifted) {
+      moveObstacle(runControl, lifted.obstacle, camera.unproject(now.x - lifted.x, now.y - lifted.y, lifted.scale));
     } else if (fingers.size === 2) {
       pinch(scene, fingers, event.pointerId, now);
       scene.framing.isManual = true;
@@ -100,6 +109,8 @@ function bindPointer(scene, runControl) {
     grab = null;
     if (held) dropTarget(runControl);
     held = null;
+    if (lifted) dropObstacle(runControl);
+    lifted = null;
     canvas.classList.remove('held');
   };
   canvas.onpointerup = release;
@@ -112,6 +123,11 @@ function bindPointer(scene, runControl) {
   }, { passive: false });
   // The service ends a push after one second, so a pointer that does not move must repeat its force.
   setInterval(() => grab && runControl.pushWith(runControl.push), 200);
+}
+
+/** @type {(event: PointerEvent, found: ReturnType<typeof obstacleAt>) => {x: number, y: number, scale: number, obstacle: import('./types.js').RoomObstacle} | null} */
+function liftedBy({ offsetX: x, offsetY: y }, found) {
+  return found && { x, y, scale: found.scale, obstacle: found.obstacle };
 }
 
 /** @type {(force: Vec3) => Vec3} */

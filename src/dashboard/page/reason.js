@@ -44,7 +44,7 @@ function recent({ history, sample }) {
 export function reason(view) {
   const sample = recent(view);
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
-  const causes = [...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view, sample)];
+  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view, sample)];
   const losses = lossesOf(view, sample);
   if (losses.length === 0) {
     const text = causes.length > 0 ? `${joined(causes)}; every task is achieved.` : 'Every task is achieved; no limit is active.';
@@ -75,9 +75,18 @@ function cause({ position_limit: range, velocity_limit: fastest }, sample, joint
   return `is at its ${side} velocity bound`;
 }
 
+/** Beginning of the name of an inequality that keeps a pair of shapes clear of each other. */
+const PAIR = 'collision:';
+
+/** @type {(sample: LiveSample) => string[]} */
+function pairCauses({ active_inequalities: names }) {
+  return names.filter((name) => name.startsWith(PAIR)).map((name) => name.slice(PAIR.length).replace('/', ' keeps clear of '));
+}
+
 /** @type {(sample: LiveSample) => string[]} */
 function planeCauses({ active_inequalities: names }) {
-  return names.map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
+  const others = names.filter((name) => !name.startsWith(PAIR));
+  return others.map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
 }
 
 /** @type {(view: View, sample: LiveSample) => string[]} */

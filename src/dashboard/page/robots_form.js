@@ -16,6 +16,9 @@ import { loadVisuals } from './visuals.js';
  * @typedef {Map<string, File>} Files files by path
  */
 
+/** Maximum number of meshes that a message names. */
+const MAX_NAMES = 4;
+
 /** @type {(runControl: RunControl, attempt: Attempt) => void} */
 export function bind(runControl, attempt) {
   /** @type {HTMLSelectElement} */
@@ -87,7 +90,7 @@ async function filesOf(entries) {
 async function register(runControl, files) {
   const [path, file] = [...files].find(([name]) => /\.(urdf|xml)$/i.test(name)) ?? [];
   if (!file || !path) {
-    notify('No URDF file', 'Drop a file that ends with .urdf, together with its meshes (STL or OBJ) or their folder.');
+    notify('No URDF file', 'Drop a file that ends with .urdf, together with its meshes (STL, OBJ, Collada or glTF) or their folder.');
     return;
   }
   const urdf = await file.text();
@@ -100,14 +103,22 @@ async function register(runControl, files) {
   const robot = await registerChain({ ...stated, name, urdf });
   if (!robot) return;
   const model = named(parsed, stated.joint_names ?? {}, robot.chain?.base ?? parsed.root);
-  const { visuals, missing } = await loadVisuals(model, files);
+  const { visuals, missing, unreadable } = await loadVisuals(model, files);
   runControl.visuals.set(name, visuals);
   await runControl.loadRobots();
   await selectScenario(runControl, PLAYGROUND, name);
   runControl.showSetup();
   const shown = `${visuals.shapes.length} shapes`;
-  const lost = missing.length > 0 ? ` Not found or not readable: ${missing.slice(0, 4).join(', ')}. Drop their folder too, as STL or OBJ.` : '';
-  notify(`Robot ${name}`, `Registered with ${robot.joints.length} joints and ${shown}. ${chainText(robot)}${lost}`, { info: missing.length === 0 });
+  const lost = missing.length > 0 ? ` Not found: ${listed(missing)}. Drop their folder too.` : '';
+  const broken = unreadable.length > 0 ? ` Not readable: ${listed(unreadable)}. STL, OBJ, Collada and glTF are read.` : '';
+  const detail = `Registered with ${robot.joints.length} joints and ${shown}. ${chainText(robot)}${lost}${broken}`;
+  notify(`Robot ${name}`, detail, { info: missing.length + unreadable.length === 0 });
+}
+
+/** @type {(names: string[]) => string} */
+function listed(names) {
+  const more = names.length > MAX_NAMES ? ` and ${names.length - MAX_NAMES} more` : '';
+  return `${names.slice(0, MAX_NAMES).join(', ')}${more}`;
 }
 
 /** Reads the fields of the registration from the file beside the URDF file. @type {(file: File | undefined) => Promise<Partial<RobotRegistration>>} */

@@ -64,6 +64,8 @@ export class RunControl {
     this.cursor = null;
     /** The target that the user drags. @type {{task: string, pose: Pose} | null} */
     this.dragged = null;
+    /** The obstacle that the user drags. @type {import('./types.js').RoomObstacle | null} */
+    this.draggedObstacle = null;
     this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
@@ -259,6 +261,7 @@ export class RunControl {
     this.running = null;
     this.cursor = null;
     this.dragged = null;
+    this.draggedObstacle = null;
     state.set({ phase: 'none', pending: false });
     this.onChange();
   }

@@ -4,6 +4,7 @@ import { bodies, vec } from './arm.js';
 import { forces, target } from './arrows.js';
 import { Framing } from './framing.js';
 import { Camera, dot, sub } from './geometry.js';
+import { depthOf, drawHalfSpace, drawPairs, drawSolids, facesCamera } from './overlay.js';
 import { drawBodies } from './shading.js';
 import { floor, spring, wall } from './surroundings.js';
 import { palette } from './theme.js';
@@ -38,6 +39,7 @@ import { areDrawable, drawVisuals } from './visuals.js';
  * @property {Vec3} push force on the tool, N
  * @property {Ghost | null} ghost
  * @property {import('./target.js').Goal | null} goal the target that can be dragged
+ * @property {import('./room.js').Room | null} room the overlay of shapes and distances
  * @property {import('./visuals.js').Visuals | null} visuals shapes of the links
  * @property {number[]} position q, rad or m
  */
@@ -89,17 +91,19 @@ export class Scene {
     const wallsInFront = world.contacts.filter((contact) => contact.isWall && !isBehind(camera, contact));
     wallsBehind.forEach((contact) => wall(context, camera, contact, world, colours));
     world.contacts.filter(({ isWall }) => !isWall).forEach((contact) => spring(context, camera, contact, world, colours));
+    if (world.room) this.drawObstacles(context, world.room, arm, true, colours, density);
     if (world.ghost) this.drawGhost(context, world.ghost, world.until, colours, density);
     trail(context, camera, world.history, world.until, colours.accent, []);
     if (robot && areDrawable(visuals)) drawVisuals(context, camera, visuals, robot, world.position, world.atLimit, colours);
     else drawBodies(context, camera, parts, ({ material }) => colours.materials[material]);
     wallsInFront.forEach((contact) => wall(context, camera, contact, world, colours));
+    if (world.room) this.drawRoom(context, world.room, arm, colours, density);
     target(context, camera, world, colours);
     forces(context, camera, world, colours);
   }
 
   /**
-   * Draws the second arm transparently. It is drawn on a separate canvas first, so that its parts do not show through.
+   * Draws the second arm transparently.
    * @param {CanvasRenderingContext2D} context
    * @param {Ghost} ghost
    * @param {number | null} until end of its path, s
@@ -108,6 +112,46 @@ export class Scene {
    */
   drawGhost(context, ghost, until, colours, density) {
     trail(context, this.camera, ghost.history, until, colours.ghost, [5, 4]);
+    const tint = rgbOf(colours.ghost);
+    this.translucent(context, 0.42, density, (on) => drawBodies(on, this.camera, bodies(ghost.arm, []), () => tint));
+  }
+
+  /**
+   * Draws the obstacles behind the arm, or those in front of it.
+   * @param {CanvasRenderingContext2D} context
+   * @param {import('./room.js').Room} room
+   * @param {ArmView} arm
+   * @param {boolean} behind
+   * @param {Palette} colours
+   * @param {number} density
+   */
+  drawObstacles(context, { obstacles }, arm, behind, colours, density) {
+    const { camera } = this;
+    const places = [...arm.joints.map(({ origin }) => vec(origin)), vec(arm.tool.position)];
+    const depth = places.reduce((sum, place) => sum - dot(sub(place, camera.eye), camera.back) / places.length, 0);
+    const planes = obstacles.filter((solid) => solid.kind === 'half_space').filter((plane) => facesCamera(camera, plane) === behind);
+    planes.forEach((plane) => drawHalfSpace(context, camera, plane, colours));
+    const solids = obstacles.filter((solid) => solid.kind !== 'half_space' && (depthOf(camera, solid) > depth) === behind);
+    if (solids.length > 0) this.translucent(context, 0.55, density, (on) => drawSolids(on, camera, solids, colours.room.obstacle));
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, room: import('./room.js').Room, arm: ArmView, colours: Palette, density: number) => void} */
+  drawRoom(context, room, arm, colours, density) {
+    if (room.shapes.length > 0) {
+      this.translucent(context, 0.42, density, (on) => drawSolids(on, this.camera, room.shapes, colours.room.shape));
+    }
+    this.drawObstacles(context, room, arm, false, colours, density);
+    drawPairs(context, this.camera, room.pairs, colours);
+  }
+
+  /**
+   * Draws on a separate canvas first, so that the parts of a translucent thing do not show through each other.
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} opacity
+   * @param {number} density
+   * @param {(on: CanvasRenderingContext2D) => void} draw
+   */
+  translucent(context, opacity, density, draw) {
     const { layer } = this;
     if (layer.width !== this.canvas.width || layer.height !== this.canvas.height) {
       layer.width = this.canvas.width;
@@ -118,9 +162,8 @@ export class Scene {
     on.setTransform(1, 0, 0, 1, 0, 0);
     on.clearRect(0, 0, layer.width, layer.height);
     on.setTransform(density, 0, 0, density, 0, 0);
-    const tint = rgbOf(colours.ghost);
-    drawBodies(on, this.camera, bodies(ghost.arm, []), () => tint);
-    context.globalAlpha = 0.42;
+    draw(on);
+    context.globalAlpha = opacity;
     context.drawImage(layer, 0, 0, this.camera.width, this.camera.height);
     context.globalAlpha = 1;
   }

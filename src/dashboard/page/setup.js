@@ -1,6 +1,7 @@
 // The setup of a run: a scenario and the user's changes to it. The fragment of the page's address can store a setup.
 
 import { inTaskFrame, positionDirections } from './goals.js';
+import { setObstacles } from './obstacles.js';
 import { addPlanes } from './planes.js';
 
 /**
@@ -24,6 +25,7 @@ import { addPlanes } from './planes.js';
  * @property {string} robot robot of the playground; empty in the other scenarios
  * @property {number[]} order order of the tasks as indices, highest priority first; empty: as in the scenario
  * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
+ * @property {import('./types.js').RoomObstacle[] | null} obstacles of the controller; null: as in the scenario
  * @property {Record<string, import('./types.js').Pose>} targets moved targets by task, base frame
  */
 
@@ -69,6 +71,7 @@ export function defaults(scenario) {
     robot: scenario.name === PLAYGROUND ? scenario.controller.robot : '',
     order: [],
     planes: [],
+    obstacles: null,
     targets: {},
   };
 }
@@ -110,6 +113,7 @@ export function applyTo(scenario, setup, start) {
   controller.tasks = inOrder(controller.tasks.map(moved(setup.targets)), setup.order);
   setGains(controller, setup);
   addPlanes(changed, setup.planes, start);
+  setObstacles(changed, setup.obstacles);
   return changed;
 }
 

@@ -24,7 +24,7 @@ const GRADIENT_STOPS = [-1, -0.7, -0.35, 0, 0.35, 0.7, 1];
  * @param {(body: Body) => Rgb} colour
  */
 export function drawBodies(context, camera, bodies, colour) {
-  const light = unit(add(add(scale(camera.right, -0.45), scale(camera.up, 0.75)), scale(camera.back, 0.6)));
+  const light = lightOf(camera);
   const depthOf = (/** @type {Body} */ body) => -dot(sub(scale(add(body.a, body.b), 0.5), camera.eye), camera.back);
   const sorted = bodies.map((body) => ({ body, depth: depthOf(body) })).sort((one, other) => other.depth - one.depth);
   for (const { body } of sorted) {
@@ -118,6 +118,11 @@ function drawCylinder(context, camera, body, rgb, light) {
   polygon(context, rim(near, body.r * 0.62));
   context.fillStyle = shade(rgb, 1.12 * brightness(normal, light));
   polygon(context, rim(near, body.r * 0.5));
+}
+
+/** Returns the direction towards the light, over the left shoulder of the viewer. @type {(camera: Camera) => Vec3} */
+export function lightOf(camera) {
+  return unit(add(add(scale(camera.right, -0.45), scale(camera.up, 0.75)), scale(camera.back, 0.6)));
 }
 
 /** @type {(normal: Vec3, light: Vec3) => number} */

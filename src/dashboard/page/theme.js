@@ -17,6 +17,7 @@
  * @property {string} accent
  * @property {Record<'closed_form' | 'active_set' | 'qp', string>} paths
  * @property {Record<import('./arm.js').Material, import('./shading.js').Rgb>} materials
+ * @property {{shape: import('./shading.js').Rgb, obstacle: import('./shading.js').Rgb} & Record<import('./room.js').Level, string>} room shapes of links, obstacles, and lines between pairs
  */
 
 /** @type {Palette} */
@@ -36,6 +37,7 @@ const LIGHT = {
   accent: '#0072b2',
   paths: { closed_form: '#009e73', active_set: '#e69f00', qp: '#d55e00' },
   materials: { link: [226, 231, 238], joint: [70, 86, 104], limit: [226, 98, 12], tool: [0, 122, 190] },
+  room: { shape: [0, 140, 190], obstacle: [150, 96, 52], clear: '#00704f', near: '#8a5a00', below: '#c01030' },
 };
 
 /** @type {Palette} */
@@ -55,6 +57,7 @@ const DARK = {
   accent: '#56b4e9',
   paths: { closed_form: '#2fc79b', active_set: '#e69f00', qp: '#ff7f2a' },
   materials: { link: [196, 206, 218], joint: [84, 102, 124], limit: [255, 127, 42], tool: [86, 180, 233] },
+  room: { shape: [86, 180, 233], obstacle: [222, 160, 104], clear: '#2fc79b', near: '#ffc233', below: '#ff5a6e' },
 };
 
 const STORAGE_KEY = 'revprio-theme';

@@ -12,7 +12,9 @@ export type Simulation = Schemas['Simulation'];
 export type SimulationControl = Schemas['SimulationControl'];
 export type SimulationRequest = Schemas['SimulationRequest'];
 export type LiveFrame = Schemas['LiveFrame'];
-export type LiveSample = Schemas['LiveSample'];
+/** Collisions of an answer and the obstacles of its state; known for watched sessions. */
+export type SampleRoom = { report: CollisionReport | null; obstacles: ObstacleState[] };
+export type LiveSample = Schemas['LiveSample'] & { room?: SampleRoom };
 export type ArmView = Schemas['ArmView'];
 export type TimeHistogram = Schemas['TimeHistogram'];
 export type PathCounts = Schemas['PathCounts'];
@@ -35,6 +37,10 @@ export type StreamedTarget = Schemas['StreamedTarget'];
 export type RobotJoint = Schemas['RobotJoint'];
 export type Axis = Schemas['Axis'];
 export type RobotList = Schemas['RobotList'];
+export type CollisionReport = Schemas['CollisionReport'];
+export type ObstacleState = Schemas['ObstacleState'];
+export type RoomObstacle = Schemas['RoomObstacle'];
+export type LinkShape = Schemas['LinkShape'];
 export type Problem = Schemas['Problem'];
 
 export type Vec3 = [number, number, number];

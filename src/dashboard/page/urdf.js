@@ -11,6 +11,7 @@ import { IDENTITY, fromVector, multiply, rotate } from './rotation.js';
  * @typedef {object} Shape a visual of a link
  * @property {string} link
  * @property {Placement} origin in the frame of the link
+ * @property {import('./shading.js').Rgb | null} colour of its material; null if it states none
  * @property {{kind: 'mesh', file: string, scale: Vec3} | {kind: 'box', size: Vec3} | {kind: 'cylinder', radius: number, length: number} | {kind: 'sphere', radius: number}} geometry
  *
  * @typedef {object} Joint
@@ -55,11 +56,12 @@ export function parseUrdf(text) {
   if (root.tagName !== 'robot') throw new Error('this is not a URDF text: it has no <robot> element');
   const links = children(root, 'link').map((link) => link.getAttribute('name') ?? '');
   const joints = children(root, 'joint').map(joint);
+  const colours = new Map(children(root, 'material').map((material) => [material.getAttribute('name') ?? '', colour(material)]));
   const inner = new Set(joints.map((joint) => joint.child));
   return {
     name: root.getAttribute('name') ?? '',
     joints,
-    shapes: children(root, 'link').flatMap(shapes),
+    shapes: children(root, 'link').flatMap((link) => shapes(link, colours)),
     root: links.find((link) => !inner.has(link)) ?? '',
   };
 }
@@ -82,13 +84,21 @@ function joint(element) {
   };
 }
 
-/** @type {(link: Element) => Shape[]} */
-function shapes(link) {
+/** @type {(material: Element) => import('./shading.js').Rgb | null} */
+function colour(material) {
+  const [r, g, b] = (child(material, 'color')?.getAttribute('rgba') ?? '').trim().split(/\s+/).map(Number);
+  return [r, g, b].every(Number.isFinite) ? [255 * r, 255 * g, 255 * b] : null;
+}
+
+/** `colours`: of the named materials of the robot. @type {(link: Element, colours: Map<string, import('./shading.js').Rgb | null>) => Shape[]} */
+function shapes(link, colours) {
   return children(link, 'visual').flatMap((visual) => {
     const given = child(visual, 'geometry')?.firstElementChild;
     const shape = given ? geometry(given) : null;
     const origin = placement(child(visual, 'origin'));
-    return shape ? [{ link: link.getAttribute('name') ?? '', origin, geometry: shape }] : [];
+    const material = child(visual, 'material');
+    const rgb = material ? (colour(material) ?? colours.get(material.getAttribute('name') ?? '') ?? null) : null;
+    return shape ? [{ link: link.getAttribute('name') ?? '', origin, colour: rgb, geometry: shape }] : [];
   });
 }
 

@@ -4,7 +4,7 @@ import { vec } from './arm.js';
 import { add, cross, dot, scale, sub, unit } from './geometry.js';
 import { box, cylinder, readMesh, reduced, sphere } from './mesh.js';
 import { rotate } from './rotation.js';
-import { brightness, shade } from './shading.js';
+import { brightness, lightOf, shade } from './shading.js';
 import { compose, linkFrames } from './urdf.js';
 
 /**
@@ -13,39 +13,81 @@ import { compose, linkFrames } from './urdf.js';
  * @typedef {import('./urdf.js').Urdf} Urdf
  * @typedef {import('./urdf.js').Shape} Shape
  * @typedef {import('./geometry.js').Camera} Camera
+ * @typedef {import('./mesh_parts.js').Part} Part
  *
  * @typedef {object} Visuals
  * @property {Urdf} urdf
- * @property {{shape: Shape, triangles: import('./mesh.js').Triangles}[]} shapes
+ * @property {{shape: Shape, parts: Part[]}[]} shapes
  */
 
 /** Number of triangles of all shapes that a canvas draws fast enough. */
 const MAX_TRIANGLES = 6000;
 
+/** Smallest value of red, green and blue that is drawn. */
+const DARKEST = 34;
+
+/** Smallest number of triangles that each part of a mesh keeps. */
+const MIN_TRIANGLES = 24;
+
 /**
  * Loads the shapes of a robot.
  * @param {Urdf} urdf
  * @param {Map<string, File>} files by path
- * @returns {Promise<{visuals: Visuals, missing: string[]}>} `missing`: meshes that were not found or are not readable
+ * @returns {Promise<{visuals: Visuals, missing: string[], unreadable: string[]}>} names of meshes that were not found, and
+ *   of those that are not readable, with the reason
  */
 export async function loadVisuals(urdf, files) {
-  /** @type {string[]} */
-  const missing = [];
+  /** @type {string[][]} */
+  const [missing, unreadable] = [[], []];
   const most = Math.max(60, Math.floor(MAX_TRIANGLES / Math.max(1, urdf.shapes.length)));
   const load = async (/** @type {Shape} */ shape) => {
-    const { geometry } = shape;
-    if (geometry.kind === 'box') return { shape, triangles: box(geometry.size) };
-    if (geometry.kind === 'cylinder') return { shape, triangles: cylinder(geometry.radius, geometry.length) };
-    if (geometry.kind === 'sphere') return { shape, triangles: sphere(geometry.radius) };
+    const { geometry, colour } = shape;
+    if (geometry.kind !== 'mesh') return { shape, parts: [{ triangles: simple(geometry), colour }] };
+    const name = geometry.file.replace(/^.*\//, '');
     const file = findFile(files, geometry.file);
-    const triangles = file ? readMesh(file.name, await file.arrayBuffer()) : null;
-    if (triangles) return { shape, triangles: reduced(triangles.map((value, i) => value * geometry.scale[i % 3]), most) };
-    missing.push(geometry.file.replace(/^.*\//, ''));
-    return null;
+    if (!file) {
+      missing.push(name);
+      return null;
+    }
+    try {
+      const parts = await readMesh(file.name, await file.arrayBuffer(), (uri) => neighbour(files, geometry.file, uri));
+      return { shape, parts: fitted(parts, geometry.scale, most, colour) };
+    } catch (error) {
+      unreadable.push(`${name} (${error instanceof Error ? error.message : error})`);
+      return null;
+    }
   };
   const shapes = (await Promise.all(urdf.shapes.map(load))).filter((shape) => shape !== null);
-  return { visuals: { urdf, shapes }, missing };
+  return { visuals: { urdf, shapes }, missing, unreadable };
 }
+
+/** @type {(geometry: Exclude<Shape['geometry'], {kind: 'mesh'}>) => import('./mesh.js').Triangles} */
+function simple(geometry) {
+  if (geometry.kind === 'box') return box(geometry.size);
+  return geometry.kind === 'cylinder' ? cylinder(geometry.radius, geometry.length) : sphere(geometry.radius);
+}
+
+/** Scales the parts of a mesh, and reduces them to a number of triangles. @type {(parts: Part[], factors: Vec3, most: number, colour: import('./shading.js').Rgb | null) => Part[]} */
+function fitted(parts, factors, most, colour) {
+  const total = parts.reduce((sum, { triangles }) => sum + triangles.length, 0);
+  return parts.map((part) => {
+    const share = Math.max(MIN_TRIANGLES, Math.floor((most * part.triangles.length) / total));
+    return { colour: part.colour ?? colour, triangles: reduced(part.triangles.map((value, i) => value * factors[i % 3]), share) };
+  });
+}
+
+/** Reads a file that a mesh names. @type {(files: Map<string, File>, mesh: string, uri: string) => Promise<ArrayBuffer>} */
+function neighbour(files, mesh, uri) {
+  const file = findFile(files, mesh.replace(/[^/]*$/, uri));
+  if (!file) throw new Error(`${uri} was not dropped with it`);
+  return file.arrayBuffer();
+}
+
+/** Returns a colour that shading and a dark background leave visible. @type {(rgb: import('./shading.js').Rgb) => import('./shading.js').Rgb} */
+const visible = ([r, g, b]) => [lift(r), lift(g), lift(b)];
+
+/** @type {(value: number) => number} */
+const lift = (value) => DARKEST + (1 - DARKEST / 255) * Math.min(255, Math.max(0, value));
 
 /** Returns the file whose path ends like a `package://` address. @type {(files: Map<string, File>, address: string) => File | undefined} */
 function findFile(files, address) {
@@ -77,22 +119,25 @@ export function drawVisuals(context, camera, visuals, robot, position, atLimit, 
   const names = robot.joints.map(({ name }) => name);
   const frames = linkFrames(visuals.urdf, new Map(names.map((name, i) => [name, position[i] ?? 0])));
   const limited = new Set(visuals.urdf.joints.filter(({ name }) => atLimit[names.indexOf(name)]).map(({ child }) => child));
-  const light = unit(add(add(scale(camera.right, -0.45), scale(camera.up, 0.75)), scale(camera.back, 0.6)));
+  const light = lightOf(camera);
   /** @type {{depth: number, fill: string, corners: {x: number, y: number}[]}[]} */
   const faces = [];
-  for (const { shape, triangles } of visuals.shapes) {
+  for (const { shape, parts } of visuals.shapes) {
     const frame = frames.get(shape.link);
     if (!frame) continue;
     const { position: origin, orientation } = compose(frame, shape.origin);
-    const rgb = colours.materials[limited.has(shape.link) ? 'limit' : 'link'];
-    for (let i = 0; i < triangles.length; i += 9) {
-      const corner = (/** @type {number} */ k) => add(origin, rotate(orientation, vec([triangles[i + k], triangles[i + k + 1], triangles[i + k + 2]])));
-      const [a, b, c] = [corner(0), corner(3), corner(6)];
-      const normal = unit(cross(sub(b, a), sub(c, a)));
-      const facing = dot(sub(camera.eye, a), normal) < 0 ? scale(normal, -1) : normal;
-      const spots = [camera.project(a), camera.project(b), camera.project(c)];
-      const depth = spots[0].depth + spots[1].depth + spots[2].depth;
-      faces.push({ depth, fill: shade(rgb, brightness(facing, light)), corners: spots });
+    const isLimited = limited.has(shape.link);
+    for (const { triangles, colour } of parts) {
+      const rgb = isLimited ? colours.materials.limit : (colour ? visible(colour) : colours.materials.link);
+      for (let i = 0; i < triangles.length; i += 9) {
+        const corner = (/** @type {number} */ k) => add(origin, rotate(orientation, vec([triangles[i + k], triangles[i + k + 1], triangles[i + k + 2]])));
+        const [a, b, c] = [corner(0), corner(3), corner(6)];
+        const normal = unit(cross(sub(b, a), sub(c, a)));
+        const facing = dot(sub(camera.eye, a), normal) < 0 ? scale(normal, -1) : normal;
+        const spots = [camera.project(a), camera.project(b), camera.project(c)];
+        const depth = spots[0].depth + spots[1].depth + spots[2].depth;
+        faces.push({ depth, fill: shade(rgb, brightness(facing, light)), corners: spots });
+      }
     }
   }
   faces.sort((one, other) => other.depth - one.depth);

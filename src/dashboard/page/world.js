@@ -3,6 +3,7 @@
 import { axisOf, vec } from './arm.js';
 import { add, dot, scale, sub, unit } from './geometry.js';
 import { hasForces } from './goals.js';
+import { room } from './room.js';
 import { handle } from './target.js';
 import { shownArm, shownSample } from './view.js';
 
@@ -40,6 +41,7 @@ export function world(runControl) {
     push: vec(cursor === null ? (runControl.run?.frame?.external_force ?? [0, 0, 0]) : [0, 0, 0]),
     ghost: ghost && ghostArm ? { arm: ghostArm, history: ghost.history } : null,
     goal: handle(runControl),
+    room: room(runControl),
     visuals: robot && visuals.get(robot.name) || null,
     position: sample?.joint_position ?? scenario?.start_joint_position ?? [],
   };

@@ -3,6 +3,7 @@
 mod messages;
 mod scene;
 mod schema;
+mod shapes;
 
 use std::io::Write;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! The scene for a viewer: the arm as a line, walls, and the contact force as an arrow.
+//! The scene for a viewer: the arm as a line and as capsules, walls, obstacles, and the contact force as an arrow.
 
 use std::sync::Arc;
 
@@ -7,11 +7,13 @@ use foxglove::messages::{
     line_primitive,
 };
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3 as Direction};
+use revprio_api::wire;
 use revprio_robot::kinematics::link_frames;
 use revprio_robot::{RobotModel, built_in};
 
 use super::super::{Recording, Sample};
 use super::messages::{BASE, quaternion, timestamp, vector};
+use super::shapes;
 use crate::simulator::{Contact, ContactKind};
 
 /// Length of the arrow, m per N.
@@ -27,6 +29,8 @@ pub struct SceneBuilder {
     start: Direction<f64>,
     /// Unit vector into each wall or plane, and the distance to it from the start, m.
     surfaces: Vec<(Direction<f64>, f64)>,
+    /// Names and primitives of the obstacles that stand.
+    obstacles: Vec<(String, SceneEntity)>,
 }
 
 impl SceneBuilder {
@@ -40,6 +44,7 @@ impl SceneBuilder {
             robot: setup.and_then(|setup| robot(&setup.controller.robot)),
             start: start.into(),
             surfaces: setup.map(|setup| setup.contacts.iter().filter_map(surface).collect()).unwrap_or_default(),
+            obstacles: setup.map(|setup| obstacles(&setup.controller)).unwrap_or_default(),
         }
     }
 
@@ -60,19 +65,30 @@ impl SceneBuilder {
 
     /// Returns the scene of one period.
     pub fn scene(&self, sample: &Sample, links: &[IsometryMatrix3<f64>]) -> SceneUpdate {
-        let entity = |id: &str| SceneEntity {
+        let entity = |id: String, content: SceneEntity| SceneEntity {
             timestamp: Some(timestamp(sample)),
             frame_id: BASE.to_owned(),
-            id: id.to_owned(),
-            ..SceneEntity::default()
+            id,
+            ..content
         };
-        let entities = vec![
-            SceneEntity { lines: arm(sample, links), ..entity("arm") },
-            SceneEntity { cubes: self.walls(sample), ..entity("walls") },
-            SceneEntity { arrows: vec![arrow(sample)], ..entity("force") },
+        let none = SceneEntity::default;
+        let robot = self.robot.as_deref().filter(|robot| robot.collision().is_some());
+        let mut entities = vec![
+            entity("arm".to_owned(), SceneEntity { lines: arm(sample, links), ..none() }),
+            entity("walls".to_owned(), SceneEntity { cubes: self.walls(sample), ..none() }),
+            entity("force".to_owned(), SceneEntity { arrows: vec![arrow(sample)], ..none() }),
         ];
+        entities
+            .extend(robot.map(|robot| entity("shapes".to_owned(), shapes::of_robot(robot, &sample.joint_position))));
+        entities.extend(self.obstacles.iter().map(|(name, shape)| entity(format!("obstacle {name}"), shape.clone())));
         SceneUpdate { deletions: Vec::new(), entities }
     }
+}
+
+/// Returns the names and primitives of the obstacles that stand.
+fn obstacles(controller: &wire::Controller) -> Vec<(String, SceneEntity)> {
+    let stated = controller.collisions.iter().flat_map(|collisions| &collisions.obstacles);
+    stated.filter_map(|obstacle| Some((obstacle.name.clone(), shapes::of_obstacle(obstacle)?))).collect()
 }
 
 fn arm(sample: &Sample, links: &[IsometryMatrix3<f64>]) -> Vec<LinePrimitive> {
@@ -134,5 +150,108 @@ fn arrow(sample: &Sample) -> ArrowPrimitive {
         head_length: 0.2 * length,
         head_diameter: 0.02,
         color: Some(FORCE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foxglove::{Decode, messages::SpherePrimitive};
+    use mcap::MessageStream;
+    use revprio_robot::collision::Segment;
+    use revprio_robot::kinematics::Configuration;
+    use serde_json::json;
+
+    use super::super::super::writer::Writer;
+    use super::super::McapWriter;
+    use super::*;
+
+    const POSTURE: [f64; 7] = [0.3, -0.6, 0.2, -2.2, 0.1, 1.6, 0.8];
+
+    /// Returns the recording of one period of a Panda in a room.
+    fn recording() -> Recording {
+        let turn = json!({"w": 0.0, "x": 0.0, "y": 0.0, "z": 1.0});
+        let scenario = json!({
+            "name": "room", "description": "", "duration_s": 1.0, "start_joint_position": POSTURE,
+            "controller": {
+                "robot": "panda", "period_s": 0.001,
+                "tasks": [{"name": "hand", "axes": ["x"], "law": {"kind": "pose", "gain": 4}}],
+                "collisions": {"obstacles": [
+                    {"name": "table", "half_space": {"normal": [0, 0, 2], "offset_m": -0.05}},
+                    {"name": "post", "capsule": {"start": [0.5, -0.4, 0], "end": [0.5, -0.4, 0.6], "radius": 0.05}},
+                    {"name": "shelf", "box": {"size": [0.4, 0.3, 0.02], "pose": {"position": [0.5, 0.4, 0.6], "orientation": turn}}},
+                    {"name": "lamp", "sphere": {"center": [0, 0, 1.5], "radius": 0.1}},
+                    {"name": "ball", "sphere": {"radius": 0.08}, "moves": true},
+                ]},
+            },
+        });
+        let mut recording = Recording::empty();
+        recording.setup = Some(serde_json::from_value(scenario).unwrap());
+        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, 1, false) }];
+        recording
+    }
+
+    /// Writes a recording and returns the first scene of the file.
+    fn first_scene(recording: &Recording) -> SceneUpdate {
+        let mut file = Vec::new();
+        let mut writer = Box::new(McapWriter::begin(recording, false, &mut file).unwrap());
+        writer.write(recording, 0..recording.samples.len()).unwrap();
+        writer.finish().unwrap();
+        let scene =
+            MessageStream::new(&file).unwrap().map(Result::unwrap).find(|message| message.channel.topic == "/scene");
+        SceneUpdate::decode(scene.unwrap().data.as_ref()).unwrap()
+    }
+
+    fn entity(scene: &SceneUpdate, id: &str) -> SceneEntity {
+        scene.entities.iter().find(|entity| entity.id == id).cloned().unwrap()
+    }
+
+    fn place(pose: Option<&Pose>) -> Direction<f64> {
+        let position = pose.unwrap().position.unwrap();
+        Direction::new(position.x, position.y, position.z)
+    }
+
+    #[test]
+    fn obstacles_that_stand_are_primitives_of_the_scene() {
+        let scene = first_scene(&recording());
+        let ids: Vec<_> = scene.entities.iter().map(|entity| entity.id.as_str()).collect();
+        assert_eq!(
+            ids,
+            ["arm", "walls", "force", "shapes", "obstacle table", "obstacle post", "obstacle shelf", "obstacle lamp"]
+        );
+        assert!(scene.entities.iter().all(|entity| entity.frame_id == "base"));
+        let table = &entity(&scene, "obstacle table").cubes[0];
+        let top = place(table.pose.as_ref()).z + 0.5 * table.size.unwrap().z;
+        assert!((top + 0.05).abs() < 1e-12);
+        let post = entity(&scene, "obstacle post");
+        assert_eq!(post.cylinders[0].size, Some(vector([0.1, 0.1, 0.6])));
+        assert_eq!(place(post.cylinders[0].pose.as_ref()), Direction::new(0.5, -0.4, 0.3));
+        assert_eq!(post.spheres.len(), 2);
+        let shelf = &entity(&scene, "obstacle shelf").cubes[0];
+        assert_eq!(shelf.size, Some(vector([0.4, 0.3, 0.02])));
+        assert_eq!(shelf.pose.as_ref().unwrap().orientation.unwrap().z, 1.0);
+        let lamp = entity(&scene, "obstacle lamp");
+        assert_eq!(lamp.spheres[0].size, Some(vector([0.2; 3])));
+        assert!(lamp.cylinders.is_empty());
+    }
+
+    #[test]
+    fn the_capsules_of_the_robot_are_where_its_links_are() {
+        let shapes = entity(&first_scene(&recording()), "shapes");
+        let robot = built_in().iter().find(|robot| robot.name() == "panda").unwrap();
+        let capsules = robot.collision().unwrap().capsules();
+        let configuration = Configuration::new(robot, &POSTURE).unwrap();
+        let is_at = |ball: &SpherePrimitive, point: Direction<f64>, radius: f64| {
+            (place(ball.pose.as_ref()) - point).norm() < 1e-9 && (ball.size.unwrap().x - 2.0 * radius).abs() < 1e-12
+        };
+        for capsule in capsules {
+            let Segment { from, to } = capsule.core;
+            let frame = configuration.link_pose(capsule.link);
+            for end in [from, to] {
+                let point = frame.transform_point(&end.into()).coords;
+                assert!(shapes.spheres.iter().any(|ball| is_at(ball, point, capsule.radius)));
+            }
+        }
+        let long = capsules.iter().filter(|capsule| capsule.core.from != capsule.core.to).count();
+        assert_eq!(shapes.cylinders.len(), long);
     }
 }

@@ -1,0 +1,65 @@
+// The form for obstacles.
+
+import { vec } from './arm.js';
+import { element } from './notices.js';
+import { middle, newObstacle, obstaclesOf, placed } from './obstacles.js';
+
+/**
+ * @typedef {import('./run_control.js').RunControl} RunControl
+ * @typedef {import('./obstacles.js').Kind} Kind
+ * @typedef {import('./planes_form.js').Change} Change
+ * @typedef {import('./types.js').RoomObstacle} RoomObstacle
+ * @typedef {import('./types.js').Vec3} Vec3
+ */
+
+const KINDS = /** @type {const} */ (['sphere', 'post', 'box']);
+
+/** @type {(runControl: RunControl, change: Change) => void} */
+export function bind(runControl, change) {
+  for (const kind of KINDS) {
+    element(`add-${kind}`).onclick = () => {
+      const { tool } = runControl;
+      const obstacles = obstaclesOf(runControl);
+      if (tool) change({ obstacles: [...obstacles, newObstacle(obstacles, kind, vec(tool.position))] });
+    };
+  }
+}
+
+/** Shows the obstacles. A robot without shapes cannot keep clear of them. @type {(runControl: RunControl, change: Change) => void} */
+export function show(runControl, change) {
+  element('obstacles-part').hidden = !runControl.robot?.shapes;
+  element('obstacles').replaceChildren(...items(runControl, change));
+}
+
+/** @type {(runControl: RunControl, change: Change) => HTMLElement[]} */
+function items(runControl, change) {
+  const obstacles = obstaclesOf(runControl);
+  const replace = (/** @type {number} */ at, /** @type {RoomObstacle[]} */ ...next) =>
+    change({ obstacles: [...obstacles.slice(0, at), ...next, ...obstacles.slice(at + 1)] });
+  return obstacles.map((obstacle, i) => {
+    const item = document.createElement('li');
+    const label = document.createElement('label');
+    const at = middle(obstacle);
+    label.append(`${obstacle.name} `);
+    if (at && !obstacle.moves) label.append(placeField(at, (place) => replace(i, placed(obstacle, place))), ' m');
+    const remove = document.createElement('button');
+    Object.assign(remove, { type: 'button', className: 'quiet', textContent: '✕', ariaLabel: `Remove ${obstacle.name}` });
+    remove.onclick = () => replace(i);
+    item.append(label, remove);
+    return item;
+  });
+}
+
+/** Returns a field for the middle of an obstacle. @type {(place: Vec3, onPlace: (place: Vec3) => void) => HTMLElement} */
+function placeField(place, onPlace) {
+  const field = document.createElement('input');
+  Object.assign(field, { type: 'text', className: 'place', title: 'x y z of its middle, m' });
+  field.value = place.map((value) => String(Math.round(value * 1000) / 1000)).join(' ');
+  field.onchange = () => {
+    const values = field.value.trim().split(/[\s,;]+/).map((word) => Number(word.replace('−', '-')));
+    const isValid = values.length === 3 && values.every((value) => Number.isFinite(value) && Math.abs(value) < 100);
+    field.ariaInvalid = String(!isValid);
+    if (isValid) onPlace(vec(values));
+  };
+  return field;
+}
