@@ -116,12 +116,13 @@ fn no_level_of_constraints_pays_for_a_lower_one() {
         own.map(|row| row.violation(&answer.joint_velocity).powi(2)).sum::<f64>()
     };
     let mut broken = 0;
-    for case in 0..300 {
+    for case in 0..300_usize {
         let n = 2 + case % 4;
         let velocity: Vec<f64> = (0..n).map(|_| random.unit()).collect();
         let rows = 2 + case % 7;
-        let constraints: Vec<(Vec<f64>, f64, u8)> =
-            (0..rows).map(|k| ((0..n).map(|_| random.unit()).collect(), random.unit() - 0.4, (k % 3) as u8)).collect();
+        let constraints: Vec<(Vec<f64>, f64, u8)> = (0..rows)
+            .map(|k| ((0..n).map(|_| random.unit()).collect(), random.unit() - 0.4, [0, 1, 2][k % 3]))
+            .collect();
         let damping = (case % 2 == 1).then_some(Damping::STANDARD);
         let problem = constrained(&velocity, &constraints, damping);
         let (one, other) = (solve(&mut qp, &problem), solve(&mut core, &problem));

@@ -186,5 +186,7 @@ fn push_inequalities(problem: &Problem, hierarchy: &mut Hierarchy) {
         let row = Matrix::from_row_slice(1, inequality.coefficients().len(), inequality.coefficients().as_slice());
         level.push(&(row / norm), &[f64::NEG_INFINITY], &[inequality.bound() / norm], |_| Some(id));
     }
-    levels.into_iter().for_each(|(_, level)| hierarchy.push(level));
+    for (_, level) in levels {
+        hierarchy.push(level);
+    }
 }
