@@ -546,7 +546,7 @@ fn an_arm_inside_an_obstacle_leaves_it() {
         let config = ControllerConfig {
             constraints: vec![Constraint::Distances(avoidance)],
             limits: Limits::Robot(kind),
-            ..config(&robot, Setup { drive, period, ..Setup::default() })
+            ..config(&robot, Setup { period, drive, ..Setup::default() })
         };
         let obstacles = vec![Obstacle::new("ball", ball, false).unwrap()];
         let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();

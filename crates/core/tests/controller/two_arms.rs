@@ -217,7 +217,7 @@ fn the_wrench_of_a_tip_moves_it_as_that_of_the_tool_moves_the_tool() {
         let mut memories = [None, None];
         let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 1e-3, 3);
         for i in 0..200_u32 {
-            let wrench = std::array::from_fn(|row| f64::from((i * 7 + row as u32 * 5) % 11) - 5.0);
+            let wrench = std::array::from_fn(|row| (f64::from(i) * 7.0 + row as f64 * 5.0) % 11.0 - 5.0);
             let state = arm.measure(f64::from(i) * PERIOD);
             let of_tip = Measurement { wrenches: vec![TipWrench { tip: 1, wrench }], ..state.clone() };
             let commands = [of_tip, Measurement { wrench, ..state }]
