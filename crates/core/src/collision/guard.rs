@@ -145,6 +145,12 @@ impl CollisionGuard {
         }))
     }
 
+    /// Returns the same check for joints that may jump to another velocity.
+    pub fn for_joints_that_jump(mut self) -> Self {
+        self.path.let_joints_jump();
+        self
+    }
+
     /// Begins a period: places the shapes and writes the rows; `limits`: the box of the period.
     pub fn begin(
         &mut self,

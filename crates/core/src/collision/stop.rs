@@ -78,6 +78,8 @@ pub struct StopPath {
     pub sent: usize,
     /// L, s.
     lag: f64,
+    /// Whether joints may jump to another velocity.
+    jumps: bool,
 }
 
 impl StopPath {
@@ -86,7 +88,12 @@ impl StopPath {
         let nodes = n * (periods + SETTLING.len() + 1);
         let memory = || Vec::with_capacity(nodes);
         let (position, velocity, travelled, commands) = (memory(), memory(), memory(), memory());
-        Self { n, period, position, velocity, travelled, commands, periods: 0, sent: 0, lag: 0.0 }
+        Self { n, period, position, velocity, travelled, commands, periods: 0, sent: 0, lag: 0.0, jumps: false }
+    }
+
+    /// Says that joints may jump to another velocity. The velocity before a jump is then no part of the motion after it.
+    pub fn let_joints_jump(&mut self) {
+        self.jumps = true;
     }
 
     /// Follows the commands of a stop until the joints are at rest. What exceeds the allocated number of periods is left
@@ -223,7 +230,7 @@ impl StopPath {
             return;
         }
         // Without a lag, the joints move uniformly in each period, with the velocity at its end.
-        let first = if self.lag > 0.0 { from } else { from + 1 };
+        let first = if self.jumps && self.lag == 0.0 { from + 1 } else { from };
         let quarter = 0.25 * (last - from) as f64 * self.period;
         for (joint, stray) in strays.iter_mut().enumerate() {
             let velocities = (first..=last).map(|node| self.velocity[node * n + joint]);

@@ -6,6 +6,7 @@ mod best_line;
 mod bounds;
 mod braking;
 mod causes;
+mod changing_room;
 mod collisions;
 mod constraints;
 mod drives;

@@ -114,7 +114,8 @@ impl ControllerConfig {
     /// Allocates the check of distances; `None`: the controller watches none.
     pub(in crate::controller) fn allocate_guard(&self) -> Result<Option<CollisionGuard>, ConfigurationError> {
         let Some((avoidance, _)) = constraint::distances(&self.constraints) else { return Ok(None) };
-        CollisionGuard::new(avoidance, &self.robot, (self.drive, self.period_s), self.keeps_jerk())
+        let guard = CollisionGuard::new(avoidance, &self.robot, (self.drive, self.period_s), self.keeps_jerk())?;
+        Ok(guard.map(|guard| if self.limits_let_joints_jump() { guard.for_joints_that_jump() } else { guard }))
     }
 
     /// Returns what the limits of the controller permit the joints to give.
