@@ -211,12 +211,12 @@ def test_geoms_that_collide_become_shapes_that_contain_them() -> None:
         assert set(links) == {"world", "upper", "fore"}
         capsule = next(shape.capsule for shape in robot.shapes.shape_list if shape.link == "upper")
         assert capsule is not None
-        ends = np.sort([capsule.start[0], capsule.end[0]])
+        ends = np.sort([np.asarray(capsule.start)[0], np.asarray(capsule.end)[0]])
         np.testing.assert_allclose(ends, [0.0, 0.4], atol=1e-12)
         assert capsule.radius == pytest.approx(0.04)
         # The ellipsoid is on a body without a name, 0.3 m before the elbow.
         fore = [shape.capsule for shape in robot.shapes.shape_list if shape.link == "fore"]
-        reach = max(max(capsule.start[0], capsule.end[0]) for capsule in fore if capsule is not None)
-        assert reach > 0.3
+        ends = np.array([[shape.start, shape.end] for shape in fore if shape is not None])
+        assert ends[..., 0].max() > 0.3
     finally:
         revprio.delete_robot("shapes")
