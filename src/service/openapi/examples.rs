@@ -86,6 +86,7 @@ pub fn complete(document: &mut Value) {
     // No step of the examples has jerk limits that bind. The derive has no example for a field that is an object or null.
     let memory = &mut document["components"]["schemas"]["Memory"]["properties"];
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);
+    document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
     for Example { path, method, name, request, answer } in EXAMPLES {
         let operation = &document["paths"][path][method];
         let body = "/requestBody/content/application~1json";
