@@ -101,9 +101,7 @@ pub fn with_shapes(
         check(request.collision_pairs.is_none(), "/collision_pairs", "give `shapes` or `shape_list` too")?;
         return Ok(robot);
     }
-    let listed = request.shape_list.as_deref().unwrap_or_default();
-    check(listed.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
-    let mut listed: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(&robot, shape))?;
+    let listed = listed_shapes(&robot, request)?;
     let stated = stated_pairs(&robot, request)?;
     let fitted = match request.shapes {
         Some(wire::ShapeSource::Fit) => {
@@ -111,30 +109,48 @@ pub fn with_shapes(
         }
         None => FittedShapes::default(),
     };
-    let stated_count = listed.len();
-    let mut names: Vec<String> = listed.iter().map(|shape| robot.links()[shape.link.index()].name.clone()).collect();
+    let listed_count = listed.capsules.len();
+    let mut shapes = merged(listed, fitted);
+    shapes.uncovered = uncovered(&robot, request, &shapes.capsules);
+    let names = shapes.names.clone();
+    robot.with_fitted(shapes, &stated, &disabled).map_err(|error| shape_error(&error, &names, listed_count))
+}
+
+/// Reads the shapes that a registration lists.
+fn listed_shapes(robot: &RobotModel, request: &wire::RobotRegistration) -> Result<FittedShapes> {
+    let listed = request.shape_list.as_deref().unwrap_or_default();
+    check(listed.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
+    let capsules: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(robot, shape))?;
+    let names = capsules.iter().map(|shape| robot.links()[shape.link.index()].name.clone()).collect();
+    Ok(FittedShapes { capsules, names, uncovered: Vec::new() })
+}
+
+/// Returns the listed shapes, and the fitted ones of links that the list does not name.
+fn merged(listed: FittedShapes, fitted: FittedShapes) -> FittedShapes {
+    let FittedShapes { mut capsules, mut names, uncovered } = listed;
+    let count = names.len();
     for (capsule, name) in fitted.capsules.into_iter().zip(fitted.names) {
-        if !names[..stated_count].contains(&name) {
-            listed.push(capsule);
+        if !names[..count].contains(&name) {
+            capsules.push(capsule);
             names.push(name);
         }
     }
-    let uncovered = uncovered(&robot, request, &listed);
-    let shapes = FittedShapes { capsules: listed, names: names.clone(), uncovered };
-    robot.with_fitted(shapes, &stated, &disabled).map_err(|error| match error {
-        CollisionError::Capsule { index } if index < stated_count => {
-            ApiError::invalid(format!("/shape_list/{index}"), error)
-        }
+    FittedShapes { capsules, names, uncovered }
+}
+
+/// Names the shape that is refused; `names`: the links of all shapes, the listed ones first.
+fn shape_error(error: &CollisionError, names: &[String], listed: usize) -> ApiError {
+    match *error {
+        CollisionError::Capsule { index } if index < listed => ApiError::invalid(format!("/shape_list/{index}"), error),
         CollisionError::Capsule { index } => {
-            let detail = format!(
-                "the <collision> of link `{}` is too large, or has no size; are its lengths in m?",
-                names[index]
-            );
+            let link = &names[index];
+            let detail =
+                format!("the <collision> of link `{link}` is too large, or has no size; are its lengths in m?");
             ApiError::invalid("/urdf", detail)
         }
-        CollisionError::TooMany { .. } if stated_count == 0 => ApiError::invalid("/urdf", error),
+        CollisionError::TooMany { .. } if listed == 0 => ApiError::invalid("/urdf", error),
         CollisionError::TooMany { .. } => ApiError::invalid("/shape_list", error),
-    })
+    }
 }
 
 /// Returns the links of the text that have a form and that no shape covers; none if the text has no bodies that can be read.
