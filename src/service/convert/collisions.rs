@@ -159,11 +159,9 @@ fn uncovered(robot: &RobotModel, request: &wire::RobotRegistration, shapes: &[Li
     let is_covered = |link: LinkId| shapes.iter().any(|shape| shape.link == link);
     let is_stated = |name: &String| robot.link(name).is_some_and(is_covered);
     let mut uncovered: Vec<String> = found.uncovered.into_iter().filter(|name| !is_stated(name)).collect();
-    for body in found.bodies.into_iter().filter(|body| !is_covered(body.link)) {
-        if !uncovered.contains(&body.name) {
-            uncovered.push(body.name);
-        }
-    }
+    uncovered.extend(found.bodies.into_iter().filter(|body| !is_covered(body.link)).map(|body| body.name));
+    // The bodies of a link follow each other.
+    uncovered.dedup();
     uncovered
 }
 

@@ -53,7 +53,8 @@ pub fn frames_of_srdf(request: &wire::RobotRegistration) -> Result<Option<wire::
     for EndEffector { name, parent_link } in srdf(request)?.end_effectors {
         let detail = format_args!("the end effector `{name}` names no `parent_link`");
         check(!parent_link.is_empty(), "/srdf", detail)?;
-        if !links.contains(&parent_link) {
+        // More than the robot may have are refused later.
+        if links.len() <= MAX_TIPS && !links.contains(&parent_link) {
             links.push(parent_link);
         }
     }
