@@ -141,6 +141,7 @@ fn request_ranges() -> Vec<FieldRange> {
             duration_s: Positive,
             start_joint_position: Items(1, MAX_JOINTS),
             contacts: Items(0, 100),
+            obstacle_motions: Items(0, MAX_OBSTACLES),
             substeps: Between(1.0, 1000.0),
         }
         VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
