@@ -2,6 +2,7 @@
 
 mod batch;
 mod bounds;
+mod chunks;
 mod clients;
 mod collisions;
 mod examples;

@@ -6,6 +6,7 @@
 
 mod arm;
 mod checks;
+mod chunks;
 mod collisions;
 mod control;
 mod controller;
@@ -26,6 +27,7 @@ mod simulation;
 mod stability;
 mod step;
 mod target_memory;
+mod target_values;
 mod targets;
 mod task;
 mod terms;

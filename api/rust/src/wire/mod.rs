@@ -72,7 +72,7 @@ pub use step::{
     StepRequest, StuckTask, TaskGain, Wrench,
 };
 pub use streaming::{
-    LaterTarget, StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample,
-    TargetState, TargetStream,
+    ChunkAction, ChunkAlign, ChunkMemory, ChunkStatus, Fade, LaterTarget, StreamedPose, StreamedQuantity,
+    StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample, TargetState, TargetStream,
 };
 pub use virtual_arm::{Line, VirtualArm};

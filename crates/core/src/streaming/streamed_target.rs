@@ -2,7 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::stream::{MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, MIN_INTERVAL};
+use super::curve::MIN_INTERVAL;
+use super::stream::{MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD};
 use super::value::Quantity;
 
 /// A target that arrives with a measurement.
@@ -94,16 +95,22 @@ impl StreamedValue {
         }
     }
 
-    fn check_rows(&self, expected: usize) -> Result<(), TargetError> {
+    /// Returns the number of rows that are given; `None` for a pose.
+    pub(super) fn row_count(&self) -> Option<usize> {
         match self {
-            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) if rows.len() != expected => {
-                Err(TargetError::Rows { expected, given: rows.len() })
-            }
-            _ => Ok(()),
+            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) => Some(rows.len()),
+            Self::Pose { .. } => None,
         }
     }
 
-    fn is_finite(&self) -> bool {
+    fn check_rows(&self, expected: usize) -> Result<(), TargetError> {
+        match self.row_count().filter(|given| *given != expected) {
+            Some(given) => Err(TargetError::Rows { expected, given }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
         match self {
             Self::Pose { position, orientation } => {
                 position.is_none_or(|position| position.iter().all(|entry| entry.is_finite()))

@@ -131,6 +131,7 @@ pub fn controller(config: ControllerConfig) -> Controller {
 
 pub fn measurement(joint_position: &[f64]) -> Measurement {
     Measurement {
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,

@@ -126,6 +126,7 @@ fn is_free(step: &ToolStep) -> bool {
         let command = stepper.step(
             &mut memory.clone(),
             &Measurement {
+                chunks: Vec::new(),
                 wrenches: Vec::new(),
                 obstacles: Vec::new(),
                 time_s: 0.0,

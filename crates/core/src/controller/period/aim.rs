@@ -17,7 +17,7 @@ use crate::controller::state::{Memory, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
 use crate::linalg::{Matrix, Vector, row_times};
 use crate::resolution::Problem;
-use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TargetValue, TaskStreams};
+use crate::streaming::{ActiveStream, Quantity, StreamedChunk, StreamedTarget, TargetValue, TaskStreams};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// What the tasks wish in one period.
@@ -93,12 +93,12 @@ fn empty_task(task: &TaskConfig, n: usize) -> Task {
     Task { scaled: task.scaled, ..empty }
 }
 
-/// Returns the wishes of a period. `given`: the targets that came with the measurement.
+/// Returns the wishes of a period. `given`: the targets and the chunks that came with the measurement.
 pub(super) fn aim<'a>(
     config: &ControllerConfig,
     arm: &ArmState,
     previous: &Memory,
-    given: &[StreamedTarget],
+    given: (&[StreamedTarget], &[StreamedChunk]),
     Aiming { problem, targets, streams, bounds, gains, look_ahead }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;

@@ -4,7 +4,7 @@ use super::step_error::StepError;
 use crate::collision::ObstacleState;
 use crate::constraint;
 use crate::controller::config::ControllerConfig;
-use crate::streaming::StreamedTarget;
+use crate::streaming::{StreamedChunk, StreamedTarget};
 
 /// The measured state of one period.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Measurement {
     pub wrenches: Vec<TipWrench>,
     /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
     pub targets: Vec<StreamedTarget>,
+    /// Chunks of actions that arrived since the last measurement; usually none.
+    pub chunks: Vec<StreamedChunk>,
     /// Where the moving obstacles of the controller are; each must be named.
     pub obstacles: Vec<ObstacleState>,
 }
@@ -50,6 +52,9 @@ impl Measurement {
         self.check_obstacles(config)?;
         for (index, target) in self.targets.iter().enumerate() {
             target.check(config, self.time_s).map_err(|source| StepError::Target { index, source })?;
+        }
+        for (index, chunk) in self.chunks.iter().enumerate() {
+            chunk.check(config, self.time_s).map_err(|source| StepError::Chunk { index, source })?;
         }
         Ok(())
     }

@@ -13,7 +13,9 @@ use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
-use crate::streaming::{MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
+use crate::streaming::{
+    Chunk, Fade, MAX_KEPT_ACTIONS, MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue,
+};
 
 /// Time above which a clock counts from the year 1970, s, and no profile does: the year 2001.
 pub const UNIX_TIME_S: f64 = 1e9;
@@ -227,6 +229,23 @@ pub(in crate::controller) fn fits_task(stream: &TargetStream, config: &Controlle
             .first()
             .is_none_or(|first| stream.newest.as_ref().is_some_and(|newest| first.time_s > newest.time_s))
         && stream.ahead.len() <= MAX_TARGETS_AHEAD
+        && fits_chunk(&stream.chunk, fits_value, fits_velocity)
+        && (stream.chunk.actions.is_empty() || stream.newest.is_some())
         && fits_value(&stream.reference.value)
         && fits_velocity(&stream.reference.velocity)
+}
+
+/// Returns whether the actions of a chunk are in order, and their values and what fades fit a task.
+fn fits_chunk(chunk: &Chunk, fits_value: impl Fn(&TargetValue) -> bool, fits_entries: impl Fn(&[f64]) -> bool) -> bool {
+    let Chunk { actions, merged_s, first_s, fade } = chunk;
+    let fits_fade = |fade: &Fade| {
+        let is_time = fade.start_s.is_finite() && fade.duration_s.is_finite() && fade.duration_s > 0.0;
+        is_time && [&fade.offset, &fade.rate, &fade.acceleration].into_iter().all(|entries| fits_entries(entries))
+    };
+    merged_s.is_finite()
+        && first_s.is_none_or(f64::is_finite)
+        && actions.len() <= MAX_KEPT_ACTIONS
+        && actions.iter().all(|action| action.time_s.is_finite() && fits_value(&action.value))
+        && actions.windows(2).all(|pair| pair[1].time_s - pair[0].time_s > 0.0)
+        && fade.as_ref().is_none_or(fits_fade)
 }
