@@ -41,6 +41,10 @@ __all__ = [
     "CertifiedLevel",
     "CertifiedProblem",
     "ChainView",
+    "ChunkAction",
+    "ChunkAlign",
+    "ChunkMemory",
+    "ChunkStatus",
     "CollisionPairs",
     "CollisionReport",
     "CollisionRows",
@@ -60,6 +64,7 @@ __all__ = [
     "Environment",
     "EnvironmentAxis",
     "ExplicitLimits",
+    "Fade",
     "Faults",
     "ForceLaw",
     "Frame",
@@ -481,6 +486,28 @@ class SolverReport(Answer):
     """Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others."""
 
 
+class ChunkStatus(Answer):
+    """The chunk that a task follows.
+
+    Fields:
+
+    - actions_left: Number of actions to come.
+    - ends_in_s: Time until the last action, s; negative after it.
+    - dropped: Number of actions of a chunk of this state that were past; absent if none came or it was ignored.
+    - shift_s: Time by which the actions of a chunk of this state were moved, s; absent if none came or it was
+      ignored.
+    """
+
+    actions_left: int
+    """Number of actions to come."""
+    ends_in_s: float
+    """Time until the last action, s; negative after it."""
+    dropped: int | None = None
+    """Number of actions of a chunk of this state that were past; absent if none came or it was ignored."""
+    shift_s: float | None = None
+    """Time by which the actions of a chunk of this state were moved, s; absent if none came or it was ignored."""
+
+
 TargetState = Literal["following", "extrapolating", "holding", "braking"]
 """Where the streamed target of a period comes from."""
 
@@ -499,6 +526,7 @@ class TaskOutcome(Answer):
       the achieved one.
     - residual_norm: Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation.
     - active_rows: Active rows of a task with bounds: rows that reach a bound and restrict the answer.
+    - chunk: The chunk of actions that the task follows; absent if none came.
     - scale: Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction.
     - target_age_s: Time of the state minus time of the newest streamed target, s; negative if the target lies
       ahead.
@@ -523,6 +551,8 @@ class TaskOutcome(Answer):
     """Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation."""
     active_rows: list[ActiveRow] = Field(default_factory=list)
     """Active rows of a task with bounds: rows that reach a bound and restrict the answer."""
+    chunk: ChunkStatus | None = None
+    """The chunk of actions that the task follows; absent if none came."""
     scale: float | None = None
     """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
     target_age_s: float | None = None
@@ -1154,6 +1184,121 @@ class Capsule(Body):
     """One end of the segment, m; of an obstacle in the base frame, of a link in its frame. Shape: 3."""
 
 
+class StreamedPose(Body):
+    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
+
+    Fields:
+
+    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
+    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    """
+
+    orientation: Orientation | None = None
+    """Orientation, unit quaternion; required if the task has an angular axis."""
+    position: Vector | None = None
+    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+
+
+class ChunkAction(Body):
+    """An action of a chunk: a target with the time at which it is due. Position and orientation are those of a
+    `pose`.
+
+    Fields:
+
+    - time_s: Time on the clock of the states, s; later than that of the action before it by at least 1 µs, and at
+      most 10 s after the state.
+    - force: Target force F_d per row, N and N·m.
+    - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
+    - orientation: Target orientation, unit quaternion; required if the task has an angular axis.
+    - pose: Target pose, in place of `position` and `orientation`.
+    - position: Target position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    - velocity: Target velocity of a task with the law `velocity`, per row, m/s and rad/s.
+    """
+
+    time_s: float
+    """Time on the clock of the states, s; later than that of the action before it by at least 1 µs, and at most 10 s
+    after the state."""
+    force: Vector | None = None
+    """Target force F_d per row, N and N·m."""
+    joint_position: JointVector | None = None
+    """Target positions of the joints of the task, in their order or by name, rad or m."""
+    orientation: Orientation | None = None
+    """Target orientation, unit quaternion; required if the task has an angular axis."""
+    pose: StreamedPose | None = None
+    """Target pose, in place of `position` and `orientation`."""
+    position: Vector | None = None
+    """Target position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+    velocity: Vector | None = None
+    """Target velocity of a task with the law `velocity`, per row, m/s and rad/s."""
+
+
+ChunkAlign = Literal["time", "progress"]
+"""Which actions of a chunk that comes late are past."""
+
+
+class LaterTarget(Body):
+    """A target of a later time in the memory.
+
+    Fields:
+
+    - time_s: Time of the target, s.
+    - pose: Pose in the base frame, m.
+    - values: Values per row, if the target is not a pose.
+    """
+
+    time_s: float
+    """Time of the target, s."""
+    pose: Pose | None = None
+    """Pose in the base frame, m."""
+    values: Vector | None = None
+    """Values per row, if the target is not a pose."""
+
+
+class Fade(Body):
+    """An offset that fades, in the memory: of a pose linear and angular in base axes, otherwise per row.
+
+    Fields:
+
+    - acceleration: Second derivative of the offset at the start, per second².
+    - duration_s: Time that it takes, s.
+    - offset: Offset at the start.
+    - rate: Rate of the offset at the start, per second.
+    - start_s: Time at which it began, s.
+    """
+
+    acceleration: Vector
+    """Second derivative of the offset at the start, per second²."""
+    duration_s: float
+    """Time that it takes, s."""
+    offset: Vector
+    """Offset at the start."""
+    rate: Vector
+    """Rate of the offset at the start, per second."""
+    start_s: float
+    """Time at which it began, s."""
+
+
+class ChunkMemory(Body):
+    """The chunks that a task follows, in the memory.
+
+    Fields:
+
+    - first_s: Time of the first action of the newest chunk, as it was sent, s.
+    - merged_s: Time of the state with which it came, s.
+    - actions: The actions that still count, at the times at which they are due; default: none.
+    - fade: What is left of the motion before the newest chunk; default: nothing.
+    """
+
+    first_s: float
+    """Time of the first action of the newest chunk, as it was sent, s."""
+    merged_s: float
+    """Time of the state with which it came, s."""
+    actions: list[LaterTarget] | None = None
+    """The actions that still count, at the times at which they are due; default: none."""
+    fade: Fade | None = None
+    """What is left of the motion before the newest chunk; default: nothing."""
+
+
 class CollisionPairs(Body):
     """Pairs of links of which nothing is watched.
 
@@ -1778,6 +1923,9 @@ class Streaming(Body):
       default 0.2.
     - delay_s: Delay with which targets are followed, s; default 0. A delay of one interval between targets makes
       the task interpolate instead of extrapolate.
+    - fade_s: Time in which the offset between a new chunk of actions and the motion before it fades, s; default
+      0.3; longer if it would need more than half of `max_acceleration`. 0: the task follows the new chunk as fast
+      as `max_velocity` and `max_acceleration` allow.
     - hold_after_s: Age of the newest target up to which it is extrapolated, s; after it the target is held; default
       0.05.
     - max_acceleration: Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s²,
@@ -1793,6 +1941,10 @@ class Streaming(Body):
     delay_s: float | None = None
     """Delay with which targets are followed, s; default 0. A delay of one interval between targets makes the task
     interpolate instead of extrapolate."""
+    fade_s: float | None = None
+    """Time in which the offset between a new chunk of actions and the motion before it fades, s; default 0.3; longer if
+    it would need more than half of `max_acceleration`. 0: the task follows the new chunk as fast as `max_velocity` and
+    `max_acceleration` allow."""
     hold_after_s: float | None = None
     """Age of the newest target up to which it is extrapolated, s; after it the target is held; default 0.05."""
     max_acceleration: ArrayLike | None = None
@@ -2357,24 +2509,6 @@ class KinematicsRequest(Body):
     """Tip or link from which they are seen, by its name; default: the base."""
 
 
-class LaterTarget(Body):
-    """A target of a later time in the memory.
-
-    Fields:
-
-    - time_s: Time of the target, s.
-    - pose: Pose in the base frame, m.
-    - values: Values per row, if the target is not a pose.
-    """
-
-    time_s: float
-    """Time of the target, s."""
-    pose: Pose | None = None
-    """Pose in the base frame, m."""
-    values: Vector | None = None
-    """Values per row, if the target is not a pose."""
-
-
 LeftOutReason = Literal[
     "gripper", "head", "leg_or_wheel", "sensor", "unsupported", "beyond_tip", "other_branch", "not_below_base"
 ]
@@ -2805,6 +2939,7 @@ class TargetStream(Body):
     - state: State of the last period.
     - task: Name of the task.
     - ahead: Targets of later times that came with the newest one; default: none.
+    - chunk: The chunks that the task follows; default: none came.
     - newest: The newest target.
     - previous: The target before it.
     """
@@ -2819,6 +2954,8 @@ class TargetStream(Body):
     """Name of the task."""
     ahead: list[LaterTarget] | None = None
     """Targets of later times that came with the newest one; default: none."""
+    chunk: ChunkMemory | None = None
+    """The chunks that the task follows; default: none came."""
     newest: TargetSample | None = None
     """The newest target."""
     previous: TargetSample | None = None
@@ -3424,21 +3561,6 @@ class SessionStatus(Answer):
     """Number of steps that came more than 1.5 periods after the previous step."""
 
 
-class StreamedPose(Body):
-    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
-
-    Fields:
-
-    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
-    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
-    """
-
-    orientation: Orientation | None = None
-    """Orientation, unit quaternion; required if the task has an angular axis."""
-    position: Vector | None = None
-    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
-
-
 class TargetAhead(Body):
     """A target of a later time. It has the same fields as the target with which it comes.
 
@@ -3466,6 +3588,10 @@ class StreamedTarget(Body):
 
     - ahead: Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default:
       unknown. Laws with `path` use it.
+    - align: Which actions of a `chunk` that comes late are past; default `time`.
+    - chunk: Actions of the next seconds, as a policy computes them at once, in place of the other fields: 1 to 256
+      of one kind, in the order of their times. The task follows a smooth curve through them. A chunk replaces the
+      actions of earlier ones from its first time on; the offset to the motion before it fades in `fade_s`.
     - force: Target force F_d per row, N and N·m.
     - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
     - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
@@ -3478,6 +3604,12 @@ class StreamedTarget(Body):
     ahead: list[TargetAhead] | None = None
     """Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default: unknown. Laws
     with `path` use it."""
+    align: ChunkAlign | None = None
+    """Which actions of a `chunk` that comes late are past; default `time`."""
+    chunk: list[ChunkAction] | None = None
+    """Actions of the next seconds, as a policy computes them at once, in place of the other fields: 1 to 256 of one
+    kind, in the order of their times. The task follows a smooth curve through them. A chunk replaces the actions of
+    earlier ones from its first time on; the offset to the motion before it fades in `fade_s`."""
     force: Vector | None = None
     """Target force F_d per row, N and N·m."""
     joint_position: JointVector | None = None

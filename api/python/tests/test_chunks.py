@@ -1,0 +1,65 @@
+"""Chunks of actions from arrays, in the process and over HTTP."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import revprio
+
+PERIOD = 0.01
+START = [0, -0.785, 0, -2.356, 0, 1.571, 0.785]
+
+
+def hand() -> revprio.ControllerTask:
+    law = revprio.PoseLaw(gain=8.0)
+    return revprio.ControllerTask(name="hand", axes=["x", "y", "z"], law=law)
+
+
+def follow(
+    controller: revprio.Controller, make: Callable[[float], revprio.StreamedTarget]
+) -> tuple[np.ndarray, np.ndarray, revprio.StepAnswer]:
+    """Follows chunks of a policy that needs 0.3 s; returns the commands."""
+    q, commands = np.array(START), []
+    for period in range(150):
+        now = period * PERIOD
+        targets = {"hand": make(now - 0.3)} if period % 50 == 30 else None
+        answer = controller.step(q, time_s=now, targets=targets)
+        commands.append(np.array(answer.joint_velocity))
+        q = q + PERIOD * commands[-1]
+    return np.array(commands), q, answer
+
+
+def test_a_policy_leads_the_arm_to_where_its_actions_end() -> None:
+    start = np.array(revprio.kinematics(robot="panda", joint_position=START).pose.position)
+
+    def make(look: float) -> revprio.StreamedTarget:
+        times = look + np.arange(50) / 30
+        ramp = np.clip(times, 0, 1)[:, np.newaxis] * [0.0, 0.1, -0.05]
+        return revprio.chunk(times, position=start + ramp, align="time")
+
+    controller = revprio.Controller("panda", [hand()], period_s=PERIOD, drive=None)
+    commands, q, answer = follow(controller, make)
+    reached = np.array(revprio.kinematics(robot="panda", joint_position=q).pose.position)
+    assert np.abs(reached - start - [0.0, 0.1, -0.05]).max() < 2e-3
+    assert answer.tasks[0].chunk.actions_left > 0
+    assert np.abs(np.diff(commands, axis=0)).max() / PERIOD < 5
+
+
+def test_joint_chunks_need_no_orientation() -> None:
+    posture = revprio.PostureLaw(gain=5.0, target_position=revprio.ConstantProfile(value=np.zeros(7)))
+    task = revprio.ControllerTask(name="hand", law=posture)
+    controller = revprio.Controller("panda", [task], period_s=PERIOD, drive=None)
+
+    def make(look: float) -> revprio.StreamedTarget:
+        times = look + np.arange(50) / 30
+        return revprio.chunk(times, joint_position=np.tile(np.array(START) + 0.1, (50, 1)), align="progress")
+
+    _, q, _ = follow(controller, make)
+    assert np.abs(q - START - 0.1).max() < 5e-3
+
+
+def test_wrong_shapes_are_refused_with_a_pointer() -> None:
+    with pytest.raises(revprio.InvalidError) as refused:
+        revprio.chunk([0.0, 0.1], position=[[0, 0, 0]])
+    assert refused.value.problem.pointer == "/position"
