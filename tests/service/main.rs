@@ -2,6 +2,7 @@
 
 mod batch;
 mod bounds;
+mod channels;
 mod chunks;
 mod clients;
 mod collisions;

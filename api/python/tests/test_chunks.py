@@ -59,6 +59,25 @@ def test_joint_chunks_need_no_orientation() -> None:
     assert np.abs(q - START - 0.1).max() < 5e-3
 
 
+def test_a_gripper_closes_with_the_actions_within_its_rate() -> None:
+    channel = revprio.Channel(name="gripper", kind="position", lower=0.0, upper=0.08, max_rate=0.1)
+    controller = revprio.Controller("panda", [hand()], period_s=PERIOD, drive=None, channels=[channel])
+    start = np.array(revprio.kinematics(robot="panda", joint_position=START).pose.position)
+    times = np.arange(50) / 30
+    closes = np.where(times < 0.5, 0.08, 0.0)
+    arrived = {"hand": revprio.chunk(times, position=np.tile(start, (50, 1)), gripper=closes)}
+    first = {"gripper": revprio.ChannelInput(measured=0.08)}
+    commands = []
+    for period in range(150):
+        targets, channels = (arrived, first) if period == 0 else (None, None)
+        answer = controller.step(START, time_s=period * PERIOD, targets=targets, channels=channels)
+        commands.append(answer.channels["gripper"])
+    changes = np.abs(np.diff(commands))
+    assert commands[40] == pytest.approx(0.08)
+    assert commands[-1] == 0.0
+    assert changes.max() <= 0.1 * PERIOD + 1e-12
+
+
 def test_wrong_shapes_are_refused_with_a_pointer() -> None:
     with pytest.raises(revprio.InvalidError) as refused:
         revprio.chunk([0.0, 0.1], position=[[0, 0, 0]])

@@ -111,7 +111,7 @@ fn run(name: &'static str, as_chunks: bool) -> Result<Trace, Error> {
             if as_chunks && time_s - answer.arrives_s < PERIOD {
                 let action = |(time_s, y): &(f64, f64)| Action { time_s: *time_s, value: pose(*y) };
                 let actions = answer.actions.iter().map(action).collect();
-                chunks.push(StreamedChunk { task: 0, actions, align: Align::Time });
+                chunks.push(StreamedChunk { channels: Vec::new(), task: 0, actions, align: Align::Time });
             } else if !as_chunks && due.0 > last_action {
                 last_action = due.0;
                 let velocity = Some(vec![0.0; 6]);
@@ -125,6 +125,7 @@ fn run(name: &'static str, as_chunks: bool) -> Result<Trace, Error> {
             }
         }
         let measured = Measurement {
+            channels: Vec::new(),
             time_s,
             joint_position: q.clone(),
             joint_velocity: None,

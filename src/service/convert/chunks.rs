@@ -5,6 +5,7 @@ use revprio_core::controller::{Controller, TaskConfig};
 use revprio_core::streaming::{Action, Align, ChunkReport, Quantity, StreamedChunk, StreamedValue};
 use revprio_robot::RobotModel;
 
+use super::channels;
 use super::checks::{Inside, Result, check, each};
 use super::numbers::time;
 use super::target_values::{accepted, joint_positions, misfit, place, read_pose, rows};
@@ -33,16 +34,18 @@ pub fn read(given: &wire::StreamedTarget, task: usize, controller: &Controller) 
         wire::ChunkAlign::Time => Align::Time,
         wire::ChunkAlign::Progress => Align::Progress,
     };
-    let of_quantity = |k: usize| {
+    let mut channels = channels::of_actions(actions, config).inside("/chunk")?;
+    let mut of_quantity = |k: usize| {
         let actions = read.iter().map(|actions| actions[k].clone()).collect();
-        StreamedChunk { task, actions, align }
+        // The channels are followed with the first quantity.
+        StreamedChunk { task, actions, align, channels: std::mem::take(&mut channels) }
     };
-    Ok((0..first.len()).map(of_quantity).collect())
+    Ok((0..first.len()).map(&mut of_quantity).collect())
 }
 
 /// Reads the values of an action: one or two quantities.
 fn read_action(given: &wire::ChunkAction, task: &TaskConfig, robot: &RobotModel) -> Result<Vec<Action>> {
-    let wire::ChunkAction { time_s, pose, position, orientation, joint_position, velocity, force } = given;
+    let wire::ChunkAction { time_s, pose, position, orientation, joint_position, velocity, force, .. } = given;
     let time_s = time(*time_s, "/time_s")?;
     let has_parts = position.is_some() || orientation.is_some();
     check(pose.is_none() || !has_parts, "/pose", "give a `pose`, or `position` and `orientation`, not both")?;

@@ -5,6 +5,7 @@
 //! the time of reading a controller.
 
 mod arm;
+mod channels;
 mod checks;
 mod chunks;
 mod collisions;

@@ -12,7 +12,7 @@ use super::checks::{Result, check};
 use super::collisions::{obstacle_states, report_answer};
 use super::numbers::{joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
-use super::{chunks, targets, terms, wrenches};
+use super::{channels, chunks, targets, terms, wrenches};
 use crate::service::constraint_names::ConstraintNames;
 use crate::service::error::ApiError;
 use crate::service::state_rules::StateRules;
@@ -47,6 +47,7 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
         wrenches: wrenches::other_tips(state, controller)?,
         targets,
         chunks,
+        channels: channels::inputs(&state.channels, controller)?,
     })
 }
 
@@ -58,6 +59,7 @@ pub fn step_error(error: &StepError) -> ApiError {
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::Channel => "/channels",
         StepError::WrenchTip { .. } => "/wrenches",
         StepError::Target { .. } | StepError::Chunk { .. } => "/targets",
         StepError::UnknownObstacle { index, .. } | StepError::ObstacleTwice { index, .. } => {
@@ -115,6 +117,7 @@ pub fn step_answer(
         joint_velocity: outcome.joint_velocity(),
         sequence,
         memory: None,
+        channels: channels::commands(command, config),
         valid_for_ms: valid_for_ms(&command.hold, rules),
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
+use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
@@ -84,6 +85,7 @@ fn request_ranges() -> Vec<FieldRange> {
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
             characteristic_length_m: Between(CHARACTERISTIC_LENGTH_M.0, CHARACTERISTIC_LENGTH_M.1),
             tasks: Items(1, MAX_TASKS),
+            channels: Items(0, MAX_CHANNELS),
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
@@ -224,6 +226,9 @@ fn target_ranges() -> Vec<FieldRange> {
             velocity: Items(1, MAX_ROWS),
             force: Items(1, MAX_ROWS),
         }
+        wire::Channel { max_rate: Positive }
+        wire::ChannelMemory { targets: Items(0, MAX_CHANNEL_TARGETS) }
+        wire::ChannelTarget { time_s: Between(-MAX_TIME_S, MAX_TIME_S) }
         wire::ChunkMemory {
             first_s: Between(-MAX_TIME_S, MAX_TIME_S),
             merged_s: Between(-MAX_TIME_S, MAX_TIME_S),

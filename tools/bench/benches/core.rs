@@ -160,6 +160,7 @@ fn controller_step(bencher: Bencher, solver: Solver) {
     let (mut stepper, mut memory) = (stepper(controller).unwrap(), None);
     let joint_position = POSTURE.to_vec();
     let mut measured = Measurement {
+        channels: Vec::new(),
         chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),

@@ -1,5 +1,7 @@
 //! Streamed targets: targets that come with the states, as in teleoperation.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -110,6 +112,14 @@ pub struct ChunkAction {
     #[schema(example = json!([15.0]))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Vec<f64>>,
+    /// Target of the channel `gripper` of the controller, due with the action.
+    #[schema(example = 0.02)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<f64>,
+    /// Targets of channels of the controller by name, due with the action; default: none.
+    #[schema(example = json!({"suction": 1.0}))]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub channels: BTreeMap<String, f64>,
 }
 
 /// Which actions of a chunk that comes late are past.

@@ -169,10 +169,18 @@ impl Chunk {
         if has_gap || !begins_after(first_s, now_s) { 0 } else { kept }
     }
 
-    /// Returns whether the actions to come are those that are followed.
-    fn is_followed(&self, actions: impl Iterator<Item = LaterTarget>, now_s: f64) -> bool {
-        let known = self.actions.iter().filter(|action| action.time_s > now_s);
-        actions.filter(|action| action.time_s > now_s).eq(known.cloned())
+    /// Returns whether a chunk ends with the actions that are to come, however it was moved in time.
+    fn is_followed(&self, actions: impl Iterator<Item = LaterTarget> + Clone, now_s: f64) -> bool {
+        let (count, left) = (actions.clone().count(), self.left(now_s));
+        let known = &self.actions[self.actions.len() - left.min(self.actions.len())..];
+        let Some(ends) = known.last().map(|last| last.time_s).zip(actions.clone().last().map(|last| last.time_s))
+        else {
+            return false;
+        };
+        let is_same = |(a, b): (LaterTarget, &LaterTarget)| {
+            a.value == b.value && ((ends.1 - a.time_s) - (ends.0 - b.time_s)).abs() < MIN_INTERVAL
+        };
+        left <= count && actions.skip(count - left).zip(known).all(is_same)
     }
 }
 

@@ -44,6 +44,6 @@ pub use fade::Fade;
 pub use reference::{Bound, Reference};
 pub use settings::{MAX_STREAMING_TIME, Streaming, StreamingError};
 pub use stream::{Ignored, MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, Target, TargetState, TargetStream};
-pub use streamed_chunk::{Action, Align, ChunkError, MAX_ACTIONS, MAX_HORIZON, StreamedChunk};
+pub use streamed_chunk::{Action, Align, ChannelChunk, ChunkError, MAX_ACTIONS, MAX_HORIZON, StreamedChunk};
 pub use streamed_target::{StreamedTarget, StreamedValue, TargetAhead, TargetError};
 pub use value::{Quantity, TargetValue};

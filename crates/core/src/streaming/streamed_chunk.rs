@@ -2,6 +2,7 @@
 
 use super::curve::MIN_INTERVAL;
 use super::streamed_target::StreamedValue;
+use crate::channel::ChannelTarget;
 
 /// Maximum number of actions of a chunk.
 pub const MAX_ACTIONS: usize = 256;
@@ -18,6 +19,17 @@ pub struct StreamedChunk {
     pub actions: Vec<Action>,
     /// Which actions are past.
     pub align: Align,
+    /// Targets of channels that are due with the actions. They are followed if the chunk is.
+    pub channels: Vec<ChannelChunk>,
+}
+
+/// The targets of a channel in a chunk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelChunk {
+    /// Index of the channel, from 0.
+    pub channel: usize,
+    /// The targets at the times of their actions, as they were sent.
+    pub targets: Vec<ChannelTarget>,
 }
 
 /// An action of a chunk: a target with the time at which it is due.
@@ -93,6 +105,11 @@ pub enum ChunkError {
         /// Values given.
         given: usize,
     },
+    /// The controller has no such channel, or its targets are not finite or not in the order of time.
+    #[error(
+        "the targets of a channel must be finite numbers of a channel of the controller, in the order of their times"
+    )]
+    Channel,
     /// A number is not finite.
     #[error("the numbers of an action must be finite")]
     NotFinite {
@@ -105,7 +122,7 @@ impl ChunkError {
     /// Returns the index of the action that is refused; `None`: the chunk as a whole.
     pub fn index(&self) -> Option<usize> {
         match *self {
-            Self::Empty | Self::TooMany { .. } => None,
+            Self::Empty | Self::TooMany { .. } | Self::Channel => None,
             Self::Quantity { index }
             | Self::Mixed { index }
             | Self::Order { index, .. }
@@ -149,5 +166,17 @@ impl StreamedChunk {
             before_s = *time_s;
         }
         Ok(())
+    }
+
+    /// Checks the targets of channels, of which the controller has `count`.
+    pub(crate) fn check_channels(&self, count: usize) -> Result<(), ChunkError> {
+        let is_right = |chunk: &ChannelChunk| {
+            let targets = &chunk.targets;
+            chunk.channel < count
+                && targets.len() <= MAX_ACTIONS
+                && targets.iter().all(|target| target.time_s.is_finite() && target.value.is_finite())
+                && targets.windows(2).all(|pair| pair[0].time_s < pair[1].time_s)
+        };
+        if self.channels.iter().all(is_right) { Ok(()) } else { Err(ChunkError::Channel) }
     }
 }

@@ -80,7 +80,8 @@ fn chunks_of_actions_allocate_nothing() {
                 },
             };
             let align = if k % 2 == 0 { Align::Time } else { Align::Progress };
-            arm.measured.chunks = vec![StreamedChunk { task: 1, actions: (0..50).map(action).collect(), align }];
+            arm.measured.chunks =
+                vec![StreamedChunk { channels: Vec::new(), task: 1, actions: (0..50).map(action).collect(), align }];
             let merges = |command: &revprio_core::controller::Command| {
                 command.targets[1].streamed.and_then(|report| report.chunk).is_some_and(|chunk| chunk.merged.is_some())
             };

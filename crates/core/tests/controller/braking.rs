@@ -126,6 +126,7 @@ fn is_free(step: &ToolStep) -> bool {
         let command = stepper.step(
             &mut memory.clone(),
             &Measurement {
+                channels: Vec::new(),
                 chunks: Vec::new(),
                 wrenches: Vec::new(),
                 obstacles: Vec::new(),

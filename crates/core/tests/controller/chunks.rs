@@ -25,7 +25,7 @@ fn chunk(start: f64, interval: f64, count: u32, value: impl Fn(f64) -> StreamedV
         let time_s = start + f64::from(k) * interval;
         Action { time_s, value: value(time_s) }
     };
-    StreamedChunk { task: 0, actions: (0..count).map(action).collect(), align: Align::Time }
+    StreamedChunk { channels: Vec::new(), task: 0, actions: (0..count).map(action).collect(), align: Align::Time }
 }
 
 fn along_x(x: f64) -> StreamedValue {

@@ -178,6 +178,7 @@ fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
         ControllerConfig { null_space: None, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![reach]) };
     let controller = Controller::new(config).unwrap();
     let at_rest = Measurement {
+        channels: Vec::new(),
         chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),

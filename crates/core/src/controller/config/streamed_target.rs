@@ -21,6 +21,7 @@ impl StreamedChunk {
         let first = self.actions.first().ok_or(ChunkError::Empty)?;
         let task = config.tasks.get(self.task).filter(|task| task.accepts(first.value.quantity()));
         let task = task.ok_or(ChunkError::Quantity { index: 0 })?;
-        self.check_actions(task.rows.len(), time_s)
+        self.check_actions(task.rows.len(), time_s)?;
+        self.check_channels(config.channels.len())
     }
 }

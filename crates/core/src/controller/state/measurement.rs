@@ -1,6 +1,7 @@
 //! What the arm measures.
 
 use super::step_error::StepError;
+use crate::channel::ChannelInput;
 use crate::collision::ObstacleState;
 use crate::constraint;
 use crate::controller::config::ControllerConfig;
@@ -23,6 +24,8 @@ pub struct Measurement {
     pub targets: Vec<StreamedTarget>,
     /// Chunks of actions that arrived since the last measurement; usually none.
     pub chunks: Vec<StreamedChunk>,
+    /// What arrived for the channels; usually nothing.
+    pub channels: Vec<ChannelInput>,
     /// Where the moving obstacles of the controller are; each must be named.
     pub obstacles: Vec<ObstacleState>,
 }
@@ -47,6 +50,10 @@ impl Measurement {
         let wrenches = self.wrenches.iter().map(|measured| &measured.wrench).chain([&self.wrench]);
         if !(self.time_s.is_finite() && wrenches.flatten().all(|entry| entry.is_finite())) {
             return Err(StepError::NotFinite);
+        }
+        let numbers = |input: &ChannelInput| input.measured.into_iter().chain(input.target).all(f64::is_finite);
+        if !self.channels.iter().all(|input| input.channel < config.channels.len() && numbers(input)) {
+            return Err(StepError::Channel);
         }
         self.check_tips(config.robot.tips().len())?;
         self.check_obstacles(config)?;

@@ -9,6 +9,7 @@ use super::rest::RestState;
 use super::stall::Stall;
 use super::virtual_arm::VirtualArm;
 use crate::arm_state::ArmAt;
+use crate::channel::ChannelState;
 use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
@@ -54,6 +55,8 @@ pub struct Memory {
     pub virtual_arm: Option<VirtualArm>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
+    /// The channels of the controller, in their order; empty: no command was given.
+    pub channels: Vec<ChannelState>,
 }
 
 /// Why a memory is refused: it belongs to another controller or is damaged.
@@ -98,6 +101,9 @@ pub enum MemoryError {
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
     )]
     ActiveSet,
+    /// The channels do not fit the controller.
+    #[error("the memory's channels do not fit the controller; send back the memory of this controller's last answer")]
+    Channels,
     /// A stream of targets does not fit the tasks.
     #[error("the memory's targets do not fit the tasks; send back the memory of this controller's last answer")]
     Targets,
@@ -123,6 +129,7 @@ impl Memory {
             rest: None,
             virtual_arm: None,
             in_transition: false,
+            channels: Vec::new(),
         }
     }
 
@@ -165,6 +172,10 @@ impl Memory {
         }
         if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n, target_rows(config))) {
             return Err(MemoryError::VirtualArm);
+        }
+        let count = self.channels.len();
+        if (count != 0 && count != config.channels.len()) || !self.channels.iter().all(ChannelState::is_valid) {
+            return Err(MemoryError::Channels);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {

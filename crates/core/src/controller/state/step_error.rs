@@ -47,6 +47,9 @@ pub enum StepError {
         /// What is wrong with it.
         source: ChunkError,
     },
+    /// The controller has no such channel, or a number of it is not finite.
+    #[error("a channel needs finite numbers, and the controller must have it")]
+    Channel,
     /// The controller has no moving obstacle of this name.
     #[error("the controller has no moving obstacle `{name}`")]
     UnknownObstacle {

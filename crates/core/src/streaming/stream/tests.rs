@@ -166,6 +166,7 @@ fn progress_decides_which_actions_are_past() {
     assert_eq!(dropped, 5);
     assert!((shift_s - (0.8 - 4.5 / 30.0)).abs() < 1e-9, "{shift_s}");
     assert!(stream.followed(0.8).value.distance(&rows(&[0.0])) < 1e-12, "the offset to the reference fades");
+    assert_eq!(merge_at(&mut stream, &chunk, 0.9, Some(&rows(&[0.05]))), Err(Ignored::Repeated));
     assert!(stream.followed(1.1).value.distance(&rows(&[0.01 * (4.5 + 9.0)])) < 1e-9);
 }
 

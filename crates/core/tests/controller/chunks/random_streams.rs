@@ -91,7 +91,7 @@ fn chunk(answer: &Answer, start: &Configuration, follows_joints: bool, align: Al
         StreamedValue::Pose { position: Some(position), orientation }
     };
     let actions = answer.actions.iter().map(|(time_s, values)| Action { time_s: *time_s, value: value(values) });
-    StreamedChunk { task: 0, actions: actions.collect(), align }
+    StreamedChunk { channels: Vec::new(), task: 0, actions: actions.collect(), align }
 }
 
 /// Runs a random policy on a random arm.
@@ -173,7 +173,7 @@ fn limits_are_kept_over_random_streams() {
     assert_limits_are_kept(0..200);
 }
 
-/// Minutes. `cargo test --release -p revprio-core --test controller ten_thousand_streams -- --ignored --nocapture`
+/// Minutes. `cargo test -p revprio-core --test controller ten_thousand_streams -- --ignored --nocapture`
 #[test]
 #[ignore = "takes minutes"]
 fn limits_are_kept_over_ten_thousand_streams() {
