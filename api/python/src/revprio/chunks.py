@@ -25,8 +25,8 @@ def chunk(  # noqa: PLR0913 - what actions may have, by name
 
     `time_s`: times of the actions on the clock of the states, s, k entries. `position`: k × 3, m. `orientation`: unit
     quaternions x, y, z, w, k × 4. `joint_position`: in the order of the task's joints, rad or m. `force`: one column
-    for each row of the task, N and N·m. `gripper`: targets of the channel `gripper`, k entries. `align`: which actions of
-    a late chunk are past: those before the time of the state, or those before the place that the arm has reached.
+    for each row of the task, N and N·m. `gripper`: targets of the channel `gripper`, k entries. `align`: which actions
+    of a late chunk are past: those before the time of the state, or those before the place that the arm has reached.
     """
     times = np.atleast_1d(np.asarray(time_s, dtype=float))
     columns = {
