@@ -43,7 +43,9 @@ pub use curve::{LaterTarget, MIN_INTERVAL};
 pub use fade::Fade;
 pub use reference::{Bound, Reference};
 pub use settings::{MAX_STREAMING_TIME, Streaming, StreamingError};
-pub use stream::{Ignored, MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, Target, TargetState, TargetStream};
+pub use stream::{Ignored, Target, TargetState, TargetStream};
 pub use streamed_chunk::{Action, Align, ChannelChunk, ChunkError, MAX_ACTIONS, MAX_HORIZON, StreamedChunk};
-pub use streamed_target::{StreamedTarget, StreamedValue, TargetAhead, TargetError};
+pub use streamed_target::{
+    MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, StreamedTarget, StreamedValue, TargetAhead, TargetError,
+};
 pub use value::{Quantity, TargetValue};

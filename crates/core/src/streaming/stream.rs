@@ -5,17 +5,9 @@ use super::curve::{self, LaterTarget, MIN_INTERVAL};
 use super::fade::Fade;
 use super::reference::{Bound, Reference, clamp_norm};
 use super::settings::Streaming;
+use super::streamed_target::MAX_AHEAD;
 use super::value::{Quantity, TargetValue};
 use crate::law::TaskVector;
-
-/// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
-pub const MAX_AHEAD: f64 = 1.0;
-
-/// Maximum time of a target that is given ahead after the target with which it comes, s.
-pub const MAX_FORESIGHT: f64 = 2.0;
-
-/// Maximum number of targets that are given ahead with one target.
-pub const MAX_TARGETS_AHEAD: usize = 64;
 
 /// One target.
 #[derive(Debug, Clone, PartialEq)]

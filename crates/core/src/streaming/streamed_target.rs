@@ -3,8 +3,16 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::curve::MIN_INTERVAL;
-use super::stream::{MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD};
 use super::value::Quantity;
+
+/// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
+pub const MAX_AHEAD: f64 = 1.0;
+
+/// Maximum time of a target that is given ahead after the target with which it comes, s.
+pub const MAX_FORESIGHT: f64 = 2.0;
+
+/// Maximum number of targets that are given ahead with one target.
+pub const MAX_TARGETS_AHEAD: usize = 64;
 
 /// A target that arrives with a measurement.
 #[derive(Debug, Clone, PartialEq)]
