@@ -2,6 +2,8 @@
 
 mod batch;
 mod bounds;
+mod channels;
+mod chunks;
 mod clients;
 mod collisions;
 mod examples;

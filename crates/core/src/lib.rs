@@ -163,6 +163,7 @@
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
 mod arm_state;
+pub mod channel;
 pub mod collision;
 pub mod constraint;
 pub mod controller;

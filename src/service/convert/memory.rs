@@ -7,6 +7,7 @@ use revprio_core::limits::DriveState;
 use revprio_core::resolution::{ActiveSet, Bound, BoundId};
 use revprio_robot::Joint;
 
+use super::channels;
 use super::checks::{Inside, Result, check, each, foreign};
 use super::controller::MAX_VALID_FOR_MS;
 use super::numbers::{check_numbers, joint_index, joint_list, number, numbers, time};
@@ -61,6 +62,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
         stalls: stalls(&memory.stalls, config)?,
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm).transpose().inside("/virtual_arm")?,
         in_transition: memory.in_transition,
+        channels: channels::memory(&memory.channels, config)?,
     })
 }
 
@@ -202,6 +204,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         rest: memory.rest.as_ref().map(|rest| rest_state_answer(rest, controller.config())),
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm_answer),
         in_transition: memory.in_transition,
+        channels: channels::memory_answer(&memory.channels, controller.config()),
     }
 }
 

@@ -5,7 +5,9 @@
 //! the time of reading a controller.
 
 mod arm;
+mod channels;
 mod checks;
+mod chunks;
 mod collisions;
 mod control;
 mod controller;
@@ -26,6 +28,7 @@ mod simulation;
 mod stability;
 mod step;
 mod target_memory;
+mod target_values;
 mod targets;
 mod task;
 mod terms;

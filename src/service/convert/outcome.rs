@@ -55,6 +55,7 @@ impl Outcome<'_> {
                 target_force,
                 target_state: None,
                 target_age_s: None,
+                chunk: None,
                 active_rows: self.resolution.active_rows(k).map(active_row).collect(),
             }
         };

@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 40] = examples! {
+const EXAMPLES: [Example; 41] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -42,6 +42,7 @@ const EXAMPLES: [Example; 40] = examples! {
     post "/v1/step" "step_again" => "step_again";
     post "/v1/step" "step_targets" => "step_targets";
     post "/v1/step" "step_ahead" => "step_ahead";
+    post "/v1/step" "step_chunk" => "step_chunk";
     post "/v1/step" "step_room" => "step_room";
     post "/v1/step" "step_straight" => "step_straight";
     post "/v1/controllers" "controller" => "controller";

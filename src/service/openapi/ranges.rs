@@ -3,10 +3,13 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
+use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
-use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL};
+use revprio_core::streaming::{
+    MAX_ACTIONS, MAX_FORESIGHT, MAX_KEPT_ACTIONS, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL,
+};
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
@@ -82,6 +85,7 @@ fn request_ranges() -> Vec<FieldRange> {
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
             characteristic_length_m: Between(CHARACTERISTIC_LENGTH_M.0, CHARACTERISTIC_LENGTH_M.1),
             tasks: Items(1, MAX_TASKS),
+            channels: Items(0, MAX_CHANNELS),
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
@@ -206,6 +210,7 @@ fn target_ranges() -> Vec<FieldRange> {
             brake_after_s: Between(0.0, MAX_STREAMING_TIME),
             delay_s: Between(0.0, MAX_STREAMING_TIME),
             smoothing_s: Between(0.0, MAX_STREAMING_TIME),
+            fade_s: Between(0.0, MAX_STREAMING_TIME),
             max_velocity: Positive,
             max_acceleration: Positive,
         }
@@ -214,6 +219,28 @@ fn target_ranges() -> Vec<FieldRange> {
             velocity: Items(1, MAX_ROWS),
             force: Items(1, MAX_ROWS),
             ahead: Items(0, MAX_TARGETS_AHEAD),
+            chunk: Items(1, MAX_ACTIONS),
+        }
+        wire::ChunkAction {
+            time_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            position: Items(3, 3),
+            velocity: Items(1, MAX_ROWS),
+            force: Items(1, MAX_ROWS),
+        }
+        wire::Channel { max_rate: Positive }
+        wire::ChannelMemory { targets: Items(0, MAX_CHANNEL_TARGETS) }
+        wire::ChannelTarget { time_s: Between(-MAX_TIME_S, MAX_TIME_S) }
+        wire::ChunkMemory {
+            first_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            merged_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            actions: Items(0, MAX_KEPT_ACTIONS),
+        }
+        wire::Fade {
+            start_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            duration_s: Positive,
+            offset: Items(1, MAX_ROWS),
+            rate: Items(1, MAX_ROWS),
+            acceleration: Items(1, MAX_ROWS),
         }
         wire::TargetAhead { after_s: Between(MIN_INTERVAL, MAX_FORESIGHT) }
         wire::TargetStream { ahead: Items(0, MAX_TARGETS_AHEAD) }

@@ -211,6 +211,8 @@ fn controller_step_of_two_arms(bencher: Bencher) {
 /// A state of the Sawyer without wrench and targets.
 fn at_rest() -> Measurement {
     Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,

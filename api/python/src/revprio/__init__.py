@@ -14,6 +14,7 @@ are NumPy arrays. Requests accept anything that NumPy converts to an array.
 """
 
 from revprio.aio import AsyncClient as AsyncClient
+from revprio.chunks import chunk as chunk
 from revprio.client import Client as Client
 from revprio.connection import LOCAL
 from revprio.connection import connect as connect

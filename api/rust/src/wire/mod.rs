@@ -5,6 +5,7 @@
 
 mod bounds;
 mod certificate;
+mod channel;
 mod collision;
 mod controller;
 mod defaults;
@@ -34,6 +35,7 @@ mod string_tags;
 mod virtual_arm;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
+pub use channel::{Channel, ChannelInput, ChannelKind, ChannelMemory, ChannelTarget};
 pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
@@ -72,7 +74,7 @@ pub use step::{
     StepRequest, StuckTask, TaskGain, Wrench,
 };
 pub use streaming::{
-    LaterTarget, StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample,
-    TargetState, TargetStream,
+    ChunkAction, ChunkAlign, ChunkMemory, ChunkStatus, Fade, LaterTarget, StreamedPose, StreamedQuantity,
+    StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample, TargetState, TargetStream,
 };
 pub use virtual_arm::{Line, VirtualArm};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Path, Side, Status, TargetState, defaults};
+use super::{ChunkStatus, Path, Side, Status, TargetState, defaults};
 
 /// The outcome of one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -34,6 +34,9 @@ pub struct TaskOutcome {
     #[schema(example = 0.012)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_age_s: Option<f64>,
+    /// The chunk of actions that the task follows; absent if none came.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chunk: Option<ChunkStatus>,
     /// Active rows of a task with bounds: rows that reach a bound and restrict the answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"row": 0, "side": "upper", "multiplier": 0.04}]))]

@@ -11,6 +11,7 @@ use revprio_robot::kinematics::ConfigurationError;
 
 use super::config::{Controller, ControllerConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
+use crate::channel::ChannelState;
 use crate::resolution::Solver;
 use crate::streaming::TargetStream;
 
@@ -74,6 +75,7 @@ impl Controller {
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
             in_transition: new.limits_let_joints_jump(),
+            channels: kept_channels(memory, old, new),
             ..initial
         })
     }
@@ -109,6 +111,12 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
     let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
     streams.sort_by_key(|stream| (stream.task, stream.quantity));
     streams
+}
+
+/// Returns the channels that stay with their names, and new ones.
+fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
+    let known = |name: &str| memory.channels.get(old.channels.iter().position(|channel| channel.name == name)?);
+    new.channels.iter().map(|channel| known(&channel.name).cloned().unwrap_or_default()).collect()
 }
 
 /// Returns the progress of the tasks that stay, and that of new tasks.

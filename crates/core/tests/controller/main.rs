@@ -7,6 +7,7 @@ mod bounds;
 mod braking;
 mod causes;
 mod changing_room;
+mod chunks;
 mod collisions;
 mod constraints;
 mod drives;

@@ -178,6 +178,7 @@ impl Plant {
             smallest_singular_value: answer.singularity.smallest_singular_value,
             manipulability: answer.singularity.manipulability,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+            channels: answer.channels.values().copied().map(Some).collect(),
             limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: held.is_new,
@@ -204,6 +205,7 @@ impl Measured {
     /// Returns the measured state for the controller.
     pub fn state(&self, sequence: u64, time_s: f64) -> wire::State {
         wire::State {
+            channels: BTreeMap::new(),
             wrenches: BTreeMap::new(),
             obstacles: self.obstacles.clone(),
             sequence,

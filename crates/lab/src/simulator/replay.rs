@@ -148,6 +148,7 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         joint_velocity: Some(sensed.joint_velocity.into()),
         wrench: Some(wire::Wrench { force: sensed.force, torque: sensed.torque }),
         targets: BTreeMap::new(),
+        channels: BTreeMap::new(),
     }
 }
 
@@ -167,6 +168,7 @@ fn answered(
         smallest_singular_value: answer.singularity.smallest_singular_value,
         manipulability: answer.singularity.manipulability,
         residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+        channels: answer.channels.values().copied().map(Some).collect(),
         limits: AtLimit::of(answer, joint_names),
         ..sample.clone()
     }

@@ -1,6 +1,7 @@
 //! The second step: what the tasks wish.
 
 mod braking;
+mod channels;
 mod gains;
 mod look_ahead;
 mod null_space;
@@ -11,13 +12,14 @@ use self::braking::RequestBounds;
 pub(super) use self::gains::Gains;
 use self::look_ahead::{LookAhead, Scene};
 use crate::arm_state::ArmState;
+use crate::channel::ChannelState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
-use crate::controller::state::{Memory, TaskTarget, VirtualArm};
+use crate::controller::state::{Measurement, Memory, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
 use crate::linalg::{Matrix, Vector, row_times};
 use crate::resolution::Problem;
-use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TargetValue, TaskStreams};
+use crate::streaming::{ActiveStream, Quantity, TargetValue, TaskStreams};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// What the tasks wish in one period.
@@ -42,6 +44,8 @@ pub(super) struct Requests<'a> {
     pub share: f64,
     /// The virtual arm; `None`: no law looks ahead.
     pub virtual_arm: Option<&'a VirtualArm>,
+    /// The channels besides the joints.
+    pub channels: &'a [ChannelState],
 }
 
 /// The memory of this step.
@@ -53,6 +57,7 @@ pub(super) struct Aiming {
     bounds: RequestBounds,
     gains: Gains,
     look_ahead: Option<LookAhead>,
+    channels: Vec<ChannelState>,
 }
 
 impl Aiming {
@@ -74,6 +79,7 @@ impl Aiming {
             bounds: RequestBounds::new(config),
             gains: Gains::default(),
             look_ahead: LookAhead::new(config),
+            channels: config.channels.iter().map(|_| ChannelState::default()).collect(),
         })
     }
 
@@ -93,16 +99,17 @@ fn empty_task(task: &TaskConfig, n: usize) -> Task {
     Task { scaled: task.scaled, ..empty }
 }
 
-/// Returns the wishes of a period. `given`: the targets that came with the measurement.
+/// Returns the wishes of a period.
 pub(super) fn aim<'a>(
     config: &ControllerConfig,
     arm: &ArmState,
     previous: &Memory,
-    given: &[StreamedTarget],
-    Aiming { problem, targets, streams, bounds, gains, look_ahead }: &'a mut Aiming,
+    measurement: &Measurement,
+    Aiming { problem, targets, streams, bounds, gains, look_ahead, channels }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;
-    streams::update(streams, previous, given, arm, config);
+    streams::update(streams, previous, (&measurement.targets, &measurement.chunks), arm, config);
+    channels::update(channels, previous, measurement, streams, (arm, config));
     tasks.overwrite_jacobians(|k, jacobian| {
         config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
         config.weigh_jacobian(k, jacobian);
@@ -133,7 +140,7 @@ pub(super) fn aim<'a>(
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
     let virtual_arm = look_ahead.as_ref().map(LookAhead::virtual_arm);
-    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share, virtual_arm } })
+    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share, virtual_arm, channels } })
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.

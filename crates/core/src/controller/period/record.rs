@@ -12,6 +12,7 @@ use super::aim::{Gains, Requests};
 use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
+use crate::channel::ChannelState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, are_moving, has_jumped};
 use crate::linalg::Vector;
@@ -34,13 +35,16 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams, gains, share, virtual_arm }, allowed): (&ArmState, Requests, &Allowed),
+    (arm, Requests { targets, streams, gains, share, virtual_arm, channels }, allowed): (&ArmState, Requests, &Allowed),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
 ) -> &'a Command {
     remove_weights(config, &mut command.resolution.tasks, targets);
     copy_targets(&mut command.targets, targets);
+    command.channels.clear();
+    command.channels.extend(channels.iter().map(|channel| channel.command));
+    remember_channels(&mut memory.channels, channels);
     report_bounds(config, command);
     let causes = command.resolution.active_limits().map(|(joint, active)| limits.cause(joint, active.bound.side));
     command.limit_causes.clear();
@@ -127,6 +131,12 @@ fn remove_weights(config: &ControllerConfig, outcomes: &mut [TaskOutcome], targe
         }
         outcome.residual_norm = squares.sqrt();
     }
+}
+
+/// Keeps the channels, without allocating if the memory has them.
+fn remember_channels(memory: &mut Vec<ChannelState>, channels: &[ChannelState]) {
+    memory.resize_with(channels.len(), ChannelState::default);
+    memory.iter_mut().zip(channels).for_each(|(known, channel)| known.clone_from(channel));
 }
 
 /// Copies targets of the same sizes.
