@@ -53,13 +53,24 @@ for (const [width, height] of SIZES) {
   }
 }
 
-test('the buttons that push the arm stand beside it, and a phone has the set-up above the scene', options, async () => {
-  for (const [width, height] of SIZES) {
+test('the scene fills the page, no panel covers its free part, and a phone has one row of header', options, async () => {
+  for (const [width, height] of [...SIZES, [360, 740], [2560, 1440]]) {
     const { page, close } = await open(browser, `${service.url}/#scenario=stiff_wall`, { viewport: { width, height } });
     await waitForState(page, 'connection', 'ready');
-    const [scene, push, setup] = await Promise.all(['#scene', '.push', '#setup'].map((part) => page.locator(part).boundingBox()));
-    assert.ok(push.y + push.height <= Math.min(height, scene.y + scene.height + 60), `${width}: push buttons at ${push.y}`);
-    if (width <= 760) assert.ok(setup.y < scene.y, 'set-up above the scene');
+    const box = (part) => page.locator(part).boundingBox();
+    const [top, scene, free, push, transport] = await Promise.all(['.top', '#scene', '#free', '.push', '.transport'].map(box));
+    assert.equal(scene.width, width);
+    if (width > 760) assert.equal(Math.round(scene.y + scene.height), height, `${width}: the scene ends at the end of the page`);
+    assert.ok(top.height < 56, `${width}: the header is ${top.height} px high`);
+    assert.ok(free.height > 0.4 * height, `${width}: ${free.height} px of ${height} are free`);
+    assert.ok(push.y >= free.y + free.height && transport.y >= free.y + free.height, `${width}: buttons below the free part`);
+    for (const part of ['#setup', '#plots']) {
+      const panel = await box(part);
+      const isBeside = panel.x + panel.width <= free.x || panel.x >= free.x + free.width || panel.y >= free.y + free.height;
+      assert.ok(isBeside, `${width}: ${part} beside the free part`);
+      const onTop = await page.evaluate(({ x, y }) => document.elementFromPoint(x + 20, Math.min(y + 20, innerHeight - 1))?.closest('.panel, .dock') !== null, panel);
+      assert.ok(onTop, `${width}: ${part} in front of the scene`);
+    }
     await close();
   }
 });
@@ -94,12 +105,12 @@ test('the camera contains the arm and its target after every change of scenario 
       const joints = answer.links.map(({ pose }) => ({ origin: pose.position, axis: [0, 0, 1], lower: null, upper: null }));
       const world = { arm: { joints, tool: answer.pose }, contacts: [], ghost: null, goal: null };
       for (const [width, height] of [[360, 250], [530, 350], [900, 480]]) {
-        Object.assign(camera, { width, height, covered: width > 400 ? 100 : 0 });
+        Object.assign(camera, { width, height, free: { left: 40, top: 20, width: width - 60, height: height - 40 } });
         for (let i = 0; i < 40; i += 1) framing.follow(world, scenario.name);
         camera.update();
         for (const point of [[0, 0, 0], ...joints.map(({ origin }) => origin), answer.pose.position]) {
           const { x, y } = camera.project(point);
-          if (!(x > 0 && x < width - camera.covered && y > 0 && y < height)) found.push(`${scenario.name} ${width}: ${x} ${y}`);
+          if (!(x > 40 && x < width - 20 && y > 20 && y < height - 20)) found.push(`${scenario.name} ${width}: ${x} ${y}`);
         }
       }
     }

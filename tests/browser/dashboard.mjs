@@ -108,7 +108,7 @@ test('the pointer pushes the arm, and cycle, link and trace can be exported', op
 
 test('the page shows that the server was killed and that it is available again', options, async () => {
   const service = await serve();
-  const { page, pageErrors, close } = await open(browser, service.url);
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=stiff_wall`);
   await waitForState(page, 'connection', 'ready');
   await page.click('#go');
   await waitForState(page, 'phase', 'running');
@@ -128,7 +128,7 @@ test('the page shows that the server was killed and that it is available again',
 
 test('the page shows that the server is overloaded, and can try again', options, async () => {
   const service = await serve();
-  const { page, pageErrors, close } = await open(browser, service.url);
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=stiff_wall`);
   await waitForState(page, 'connection', 'ready');
   const problem = { type: '/problems/overloaded', title: 'The service has too much to do', status: 503, detail: 'send fewer requests' };
   await page.route('**/v1/simulations', (route) => route.fulfill({

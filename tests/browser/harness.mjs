@@ -1,7 +1,7 @@
 // Helpers of the dashboard tests: start the service and the browser, open the page, collect its errors.
 
 import { spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -14,10 +14,30 @@ const FLAGS = [
   '--disable-component-update', '--disable-sync',
 ];
 
-/** Starts a headless browser. */
-export function launch() {
+/** Draws WebGL without a graphics card. */
+const SOFTWARE_WEBGL = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+/** Starts a headless browser; with `webgl` it has WebGL 2 on a software renderer, else none. */
+export function launch({ webgl = false } = {}) {
   const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
-  return chromium.launch({ executablePath, headless: true, timeout: TIMEOUT_MS, args: FLAGS });
+  const args = webgl ? [...FLAGS.filter((flag) => flag !== '--disable-gpu'), ...SOFTWARE_WEBGL] : FLAGS;
+  return chromium.launch({ executablePath, headless: true, timeout: TIMEOUT_MS, args });
+}
+
+/** Folder of the page's files that replaces those in the program: no build is needed after a change of the page. */
+const PAGE_FOLDER = process.env.REVPRIO_PAGE;
+
+/** Serves the page from `PAGE_FOLDER`, with the policy of the program. */
+async function servePageFolder(context) {
+  const types = { css: 'text/css', js: 'text/javascript', html: 'text/html' };
+  await context.route((url) => url.pathname === '/' || url.pathname.startsWith('/dashboard/'), async (route) => {
+    const { pathname, origin } = new URL(route.request().url());
+    const name = pathname === '/' ? 'index.html' : pathname.replace('/dashboard/', '');
+    const policy = (await fetch(`${origin}/`)).headers.get('content-security-policy');
+    const headers = { 'content-security-policy': policy, 'content-type': types[name.split('.').pop()] };
+    if (!existsSync(join(PAGE_FOLDER, name))) await route.fulfill({ status: 404 });
+    else await route.fulfill({ headers, body: readFileSync(join(PAGE_FOLDER, name)) });
+  });
 }
 
 /** Running services. After a failed test, its service is still in this set. */
@@ -58,6 +78,7 @@ export async function serve(port = 0, token = '') {
 /** Opens the page; its exceptions and console errors are added to `pageErrors`. */
 export async function open(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  if (PAGE_FOLDER) await servePageFolder(context);
   const page = await context.newPage();
   page.setDefaultTimeout(TIMEOUT_MS);
   page.setDefaultNavigationTimeout(TIMEOUT_MS);
@@ -92,7 +113,7 @@ export function waitForText(page, selector, pattern) {
 export async function findInScene(page, name) {
   const found = await page.evaluate((name) => {
     const scene = document.getElementById('scene');
-    const { left, top, width, height } = scene.getBoundingClientRect();
+    const { left, top, width, height } = document.getElementById('free').getBoundingClientRect();
     for (let y = top + 8; y < top + height; y += 8) {
       for (let x = left + 8; x < left + width; x += 8) {
         scene.dispatchEvent(new PointerEvent('pointermove', { clientX: x, clientY: y, pointerId: 99 }));

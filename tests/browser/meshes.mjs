@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
+import { deflateRawSync } from 'node:zlib';
 
 import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForState, waitForText } from './harness.mjs';
 
@@ -193,4 +194,37 @@ test('meshes that are dropped with a URDF file are drawn in their colours, and a
   });
   await drop(page, [['painted.urdf', URDF], ['base.dae', '<COLLADA/>']]);
   await waitForText(page, '#notice', /2 joints and 1 shapes\..*Not found: arm\.glb\. Drop their folder too\. Not readable: base\.dae \(it has no triangles\)/);
+}));
+
+/** A zip file; texts are deflated, other data is stored. */
+function zip(files) {
+  const numbers = (...pairs) => Buffer.concat(pairs.map(([value, length]) => {
+    const bytes = Buffer.alloc(length);
+    bytes.writeUIntLE(value, 0, length);
+    return bytes;
+  }));
+  const [parts, directory] = [[], []];
+  let at = 0;
+  for (const [name, content] of files) {
+    const data = Buffer.from(content);
+    const isText = typeof content === 'string';
+    const packed = isText ? deflateRawSync(data) : data;
+    const about = numbers([20, 2], [0, 2], [isText ? 8 : 0, 2], [0, 4], [0, 4], [packed.length, 4], [data.length, 4], [name.length, 2], [0, 2]);
+    const part = Buffer.concat([numbers([0x04034b50, 4]), about, Buffer.from(name), packed]);
+    directory.push(numbers([0x02014b50, 4], [20, 2]), about, numbers([0, 2], [0, 2], [0, 2], [0, 4], [at, 4]), Buffer.from(name));
+    parts.push(part);
+    at += part.length;
+  }
+  const list = Buffer.concat(directory);
+  return Buffer.concat([...parts, list, numbers([0x06054b50, 4], [0, 4], [files.length, 2], [files.length, 2], [list.length, 4], [at, 4], [0, 2])]);
+}
+
+test('a zip file of a robot and its meshes is dropped, and a broken one has a reason', options, () => withPage(async (page) => {
+  const files = [['painted/package.xml', '<package/>'], ['painted/urdf/painted.urdf', URDF], ['painted/meshes/base.dae', COLLADA], ['painted/meshes/arm.glb', glb()]];
+  await drop(page, [['painted.zip', zip(files)]]);
+  await waitForText(page, '#notice', /Robot my_painted.*2 joints and 3 shapes\. Chain/);
+  await drop(page, [['broken.zip', Buffer.from('PK no zip')]]);
+  await waitForText(page, '#notice', /broken\.zip is not readable: it is not a zip file/);
+  await drop(page, [['cut.zip', Buffer.concat([Buffer.alloc(40), zip(files).subarray(-22)])]]);
+  await waitForText(page, '#notice', /cut\.zip is not readable/);
 }));

@@ -189,6 +189,65 @@ test('every built-in robot can be chosen', options, () => withPage('scenario=sti
   }
 }));
 
+test('a scenario that is chosen after the playground has its own method, unless the user chose one', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  assert.equal(await page.inputValue('#method'), 'strict_reverse_priority');
+  await page.selectOption('#scenario', 'stiff_wall');
+  await waitForText(page, '#description', /wall/);
+  assert.equal(await page.inputValue('#method'), 'reverse_priority');
+  await page.selectOption('#method', 'damped_least_squares');
+  await page.selectOption('#scenario', 'joint_limits');
+  await waitForText(page, '#description', /^(?!.*wall)/);
+  assert.equal(await page.inputValue('#method'), 'damped_least_squares');
+}));
+
+test('the smallest singular value of the playground is that of the tool', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  const differences = await page.evaluate(async () => {
+    const { Kinematics } = await import('/dashboard/kinematics.js');
+    const { playground } = await import('/dashboard/playground.js');
+    const ask = async (path, body) => (await fetch(path, body && { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+    const found = {};
+    for (const name of ['panda', 'ur5e', 'sawyer']) {
+      const robot = await ask(`/v1/robots/${name}`);
+      const kinematics = await Kinematics.learn(robot);
+      const { controller } = await playground(robot);
+      for (const shift of [0.2, 0.7, 1.1]) {
+        const joint_position = robot.joints.map(({ position_limit: range }, i) => ((range?.[0] ?? -1) + (range?.[1] ?? 1)) / 2 + shift * Math.sin(i + shift));
+        const { singular_values } = await ask('/v1/kinematics', { robot: name, joint_position });
+        found[`${name} ${shift}`] = Math.abs(kinematics.smallestSingularValue(controller, joint_position) - singular_values.at(-1));
+      }
+    }
+    return found;
+  });
+  for (const [posture, difference] of Object.entries(differences)) assert.ok(difference < 1e-8, `${posture}: ${difference}`);
+  const shown = await number(page, '#readouts div:nth-child(2) dd');
+  assert.ok(shown > 0.05 && shown < 0.5, `σ min ${shown}`);
+}));
+
+test('joints come to rest when the target of the playground is out of reach', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  const speeds = await page.evaluate(async () => {
+    const { playground } = await import('/dashboard/playground.js');
+    const ask = async (path, body) => (await fetch(path, body && { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+    const scenario = await playground(await ask('/v1/robots/panda'));
+    Object.assign(scenario, { duration_s: 6 });
+    scenario.controller.tasks[0].law.target_displacement = { kind: 'constant', value: [1.5, 0.8, 0.2] };
+    const { id } = await ask('/v1/simulations', { scenario });
+    for (let state = ''; state !== 'finished';) {
+      ({ state } = await ask(`/v1/simulations/${id}`));
+      if (state === 'failed') throw new Error('the run failed');
+      await new Promise((done) => setTimeout(done, 200));
+    }
+    const text = await (await fetch(`/v1/simulations/${id}/trace`, { headers: { accept: 'text/csv' } })).text();
+    const [head, ...rows] = text.trim().split('\n').map((line) => line.split(','));
+    const columns = head.flatMap((name, i) => (name.startsWith('velocity_') ? [i] : []));
+    return { stated: Object.keys(scenario.controller), head: head.join(), rows: rows.slice(-250).map((row) => columns.map((i) => Number(row[i]))) };
+  });
+  // Without `limits`, `drive` and `damping` the service uses its defaults, as on a real arm.
+  assert.deepEqual(speeds.stated, ['robot', 'period_s', 'method', 'solver', 'tasks']);
+  assert.equal(speeds.rows[0].length, 7, speeds.head);
+  const reversals = speeds.rows.slice(1).filter((row, i) => row.some((value, joint) => Math.abs(value) > 0.2 && value * speeds.rows[i][joint] < 0));
+  assert.ok(reversals.length < 5, `${reversals.length} of 250 periods reverse a joint at more than 0.2 rad/s`);
+}));
+
 const URDF = `<robot name="lift">
   <link name="base"><visual><geometry><box size="0.3 0.3 0.1"/></geometry></visual></link>
   <link name="arm"><visual><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry></visual></link>

@@ -14,6 +14,9 @@ import { palette } from './theme.js';
 /** Returns the length of a force arrow, m: linear for small forces, logarithmic for large ones. @type {(newton: number) => number} */
 const arrowLength = (newton) => 0.12 * Math.asinh(newton / 10);
 
+/** Height of a label, px. */
+const LABEL_HEIGHT = 16;
+
 /** Radius of the drawn target, px. */
 const GOAL_RADIUS = 9;
 
@@ -99,9 +102,19 @@ function arrow(context, camera, from, force, colour, outlined, label) {
   context.lineWidth = 4;
   context.lineJoin = 'round';
   context.strokeStyle = haloColour(context) ?? colour;
-  const away = context.textAlign === 'left' ? 8 : -8;
-  context.strokeText(label, b.x + away, b.y - 4);
-  context.fillText(label, b.x + away, b.y - 4);
+  const { x, y } = inside(camera, b.x + (context.textAlign === 'left' ? 8 : -8), b.y - 4, context.measureText(label).width, context.textAlign);
+  context.strokeText(label, x, y);
+  context.fillText(label, x, y);
+}
+
+/** Moves a label into the part of the scene that no panel covers. @type {(camera: Camera, x: number, y: number, width: number, align: 'left' | 'right') => {x: number, y: number}} */
+function inside({ free }, x, y, width, align) {
+  const [before, after] = align === 'left' ? [0, width] : [width, 0];
+  const clamp = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ high) => Math.max(low, Math.min(high, value));
+  return {
+    x: clamp(x, free.left + before, free.left + free.width - after),
+    y: clamp(y, free.top + LABEL_HEIGHT, free.top + free.height),
+  };
 }
 
 /** @type {(context: CanvasRenderingContext2D) => string | null} colour of the outline that keeps labels readable */

@@ -71,6 +71,7 @@ function bindSetup(runControl, attempt) {
     saveInAddress();
   });
   select('method').onchange = () => change({ method: /** @type {Setup['method']} */ (select('method').value) });
+  select('motion').onchange = () => change({ motion: /** @type {Setup['motion']} */ (select('motion').value), targets: {} });
   select('ghost').onchange = () => change({ ghost: /** @type {Setup['ghost']} */ (select('ghost').value) });
   select('solver').onchange = () => change({ solver: /** @type {Setup['solver']} */ (select('solver').value) });
   input('lag').onchange = () => {
@@ -103,9 +104,11 @@ function showSetup(runControl, change) {
   const entries = names.map((name) => ({ value: name, name: name.replaceAll('_', ' ') }));
   options(select('scenario'), [{ value: setups.PLAYGROUND, name: 'playground, any robot' }, ...entries]);
   select('scenario').value = setup.scenario;
-  element('description').textContent = scenario.description;
+  element('description').textContent = setup.motion ? scenario.description.replace('at rest', 'follows a figure of eight') : scenario.description;
   select('method').value = setup.method;
   select('ghost').value = setup.ghost;
+  select('motion').value = setup.motion;
+  element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND;
   select('solver').value = setup.solver;
   input('speed').value = String(Math.log10(setup.speed));
   element('speed-value').textContent = `${setup.speed}×`;

@@ -80,9 +80,6 @@ export async function select(runControl, name, robot = '') {
   if (runControl.setup) runControl.undoable.push(runControl.setup);
   if (robot) await runControl.makePlayground(robot);
   await runControl.selectScenario(name);
-  // In the playground the strict hierarchy shows best which task gives way.
-  const method = runControl.scenario?.controller.method;
-  if (robot && method && runControl.setup) runControl.setup = { ...runControl.setup, method };
 }
 
 /**
@@ -97,7 +94,7 @@ async function apply(runControl, change, continues = false) {
   runControl.onChange();
   if (!runControl.isActive) return;
   for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
-  if (change.order || change.planes || change.obstacles !== undefined) {
+  if (change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined) {
     await restart(runControl);
   } else {
     const command = commandFor(runControl, change);
@@ -156,9 +153,8 @@ async function restart(runControl) {
 
 /** Prepares a history for the run that continues it. @type {(history: History, scenario: Scenario, order: number[]) => void} */
 function prepare(history, scenario, order) {
-  history.measures = new Measures(scenario.controller, history.measures?.start ?? null);
-  history.offset = history.now;
-  history.order = order;
+  const { measures } = history;
+  history.begin(scenario, new Measures(scenario.controller, measures?.start ?? null, measures?.kinematics ?? null), order);
 }
 
 /** Sends the targets that a change of the setup moved. @type {(runControl: RunControl, before: Setup) => void} */
@@ -196,6 +192,7 @@ function describe({ scenario }, change) {
   if (change.order) texts.push('tasks reordered');
   if (change.planes) texts.push(change.planes.length > 0 ? `planes: ${change.planes.map(({ name }) => name).join(', ')}` : 'planes removed');
   if (change.obstacles !== undefined) texts.push(change.obstacles?.length ? `obstacles: ${change.obstacles.map(({ name }) => name).join(', ')}` : 'obstacles removed');
+  if (change.motion !== undefined) texts.push(change.motion ? 'figure of eight' : 'target at rest');
   if (change.targets) texts.push('target moved');
   return texts;
 }

@@ -3,7 +3,9 @@
 import { DRAWINGS, cards } from './figures.js';
 import { element } from './notices.js';
 import { methodName, toFragment } from './setup.js';
-import { asCurl, asPython } from './snippets.js';
+import { Recorder } from './recorder.js';
+import { viewText } from './shared_state.js';
+import { asCurl, asPython, asRos2 } from './snippets.js';
 import { SvgSurface, escaped } from './svg.js';
 import { printPalette } from './theme.js';
 import { download } from './transport.js';
@@ -17,25 +19,35 @@ import { view } from './view.js';
 
 const TRACES = { csv: 'text/csv', mcap: 'application/vnd.mcap' };
 
-/** @type {(runControl: RunControl, scene: Scene, attempt: Attempt) => void} */
+/** @type {(runControl: RunControl, scene: Scene, attempt: Attempt) => Recorder} */
 export function bind(runControl, scene, attempt) {
   const act = (/** @type {string} */ id, /** @type {() => Promise<void>} */ work) => {
     element(id).onclick = () => attempt(work);
   };
-  act('copy-link', () => copy('Link', setupLink(runControl)));
+  act('copy-link', () => copy('Link', setupLink(runControl, scene)));
   act('copy-curl', async () => copy('curl command', asCurl(await runControl.cycle())));
   act('copy-python', async () => copy('Python program', asPython(await runControl.cycle())));
+  act('copy-ros2', async () => copy('ROS 2 commands', asRos2((await runControl.cycle()).controller)));
   act('export-csv', () => trace(runControl, 'csv'));
   act('export-mcap', () => trace(runControl, 'mcap'));
   act('export-svg', async () => {
     save(new Blob([figureSheet(runControl, scene)], { type: 'image/svg+xml' }), `${fileStem(runControl)}.svg`);
   });
+  const recorder = new Recorder(scene, (film) => save(film, `${fileStem(runControl)}.webm`), () => showRecorder(recorder));
+  act('record', async () => recorder.toggle());
+  return recorder;
 }
 
-/** @type {(runControl: RunControl) => string} */
-function setupLink(runControl) {
+/** @param {Recorder} recorder */
+function showRecorder({ isRecording }) {
+  element('record').textContent = isRecording ? 'End film' : 'Record';
+  element('record').ariaPressed = String(isRecording);
+}
+
+/** @type {(runControl: RunControl, scene: Scene) => string} a link to the setup and the view; the replaced targets move on from there */
+function setupLink(runControl, scene) {
   const fragment = runControl.setup && runControl.scenario ? toFragment(runControl.setup, runControl.scenario) : '';
-  return `${location.origin}/#${fragment}`;
+  return `${location.origin}/#${fragment}&view=${viewText(scene.camera)}`;
 }
 
 /** @type {(what: string, text: string) => Promise<void>} */
@@ -97,7 +109,9 @@ function figureSheet(runControl, scene) {
   const data = view(runControl);
   const hidden = new Set(Array.from(cards()).filter((card) => card.hidden).map((card) => card.dataset.plot));
   const colours = printPalette();
-  const picture = scene.canvas.toDataURL('image/png');
+  const canvas = document.createElement('canvas');
+  scene.paint(canvas);
+  const picture = canvas.toDataURL('image/png');
   const plots = Object.entries(TITLES).filter(([plot]) => !hidden.has(plot)).map(([plot, title], i) => {
     const surface = new SvgSurface();
     DRAWINGS[plot](/** @type {any} */ (surface), wide, high - 24, data, colours);

@@ -16,8 +16,15 @@ const FILL = { x: 0.86, y: 0.74 };
 /** Part of the picture that points may reach before the camera moves. */
 const LIMIT = 0.97;
 
-/** Part of the way that the camera moves per drawing. */
-const SPEED = 0.25;
+/** Angles between the direction of the arm and that of the view, rad: from the side, and rather from the front. */
+const SIDE = 2.05;
+const FRONT = 0.85;
+
+/** Time in which the camera goes 63 % of its way, s. */
+const TIME = 0.16;
+
+/** Time between two drawings if it is not known, s. */
+const USUAL = 0.046;
 
 /** Reach of the shown walls around the tool, m, and of the arm around its joints. */
 const MARGIN = 0.06;
@@ -43,12 +50,12 @@ export class Framing {
     this.isManual = false;
   }
 
-  /** Moves the camera if the subject has changed or leaves the picture. @type {(world: World, subject: string) => void} */
-  follow(world, subject) {
+  /** Moves the camera if the subject has changed or leaves the picture. @type {(world: World, subject: string, elapsed?: number) => void} `elapsed`: since the last drawing, s */
+  follow(world, subject, elapsed = USUAL) {
     const { camera } = this;
     if (!world.arm) return;
     const points = shownPoints(world);
-    const size = `${camera.width} ${camera.height}`;
+    const size = `${camera.width} ${camera.height} ${Object.values(camera.free)}`;
     const isNew = subject !== this.subject;
     if (isNew) {
       this.isManual = false;
@@ -58,14 +65,14 @@ export class Framing {
     if (isNew || (!this.isManual && (size !== this.size || !this.contains(points)))) this.goal = this.fit(points);
     if (isNew && this.goal) this.move(1);
     Object.assign(this, { subject, size });
-    if (this.goal) this.move(SPEED);
+    if (this.goal) this.move(1 - Math.exp(-elapsed / TIME));
   }
 
-  /** Looks so that neither the arm nor the wall is seen edge-on. @param {World} world */
-  lookFromSide({ arm, contacts }) {
+  /** Looks so that neither the arm nor the wall nor the figure of the target is seen edge-on. @param {World} world */
+  lookFromSide({ arm, contacts, moves }) {
     const upright = contacts.find(({ inwards }) => Math.abs(inwards[2]) < 0.7);
     const ahead = upright ? upright.inwards : vec(arm?.tool.position ?? [1, 0, 0]);
-    this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - 2.05;
+    this.camera.azimuth = Math.atan2(ahead[1], ahead[0]) - (moves ? FRONT : SIDE);
     const isTilted = contacts.some(({ inwards }) => Math.abs(inwards[2]) >= 0.7);
     const isFlat = arm?.joints.every(({ axis }) => Math.abs(axis[2]) > 0.99) ?? false;
     this.camera.elevation = isFlat ? 1.05 : isTilted ? 0.68 : 0.32;
@@ -91,7 +98,7 @@ export class Framing {
     const { camera } = this;
     return points.every((point) => {
       const { x, y } = camera.project(point);
-      const [dx, dy] = [Math.abs(x / (camera.width - camera.covered) - 0.5), Math.abs(y / camera.height - 0.5)];
+      const [dx, dy] = [Math.abs(x - camera.middle.x) / camera.free.width, Math.abs(y - camera.middle.y) / camera.free.height];
       return dx < LIMIT / 2 && dy < LIMIT / 2;
     });
   }
@@ -110,7 +117,7 @@ export class Framing {
         const fromEye = sub(point, eye);
         const depth = -dot(fromEye, camera.back);
         const [x, y] = [dot(fromEye, camera.right), dot(fromEye, camera.up)].map((part) => (2 * camera.focal * Math.abs(part)) / depth);
-        return depth > 0.05 && x < FILL.x * (camera.width - camera.covered) && y < FILL.y * camera.height;
+        return depth > 0.05 && x < FILL.x * camera.free.width && y < FILL.y * camera.free.height;
       });
       if (fits) far = distance;
       else near = distance;

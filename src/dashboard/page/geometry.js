@@ -61,8 +61,8 @@ export class Camera {
     /** @type {Vec3} */
     this.up = [0, 0, 1];
     this.focal = 1;
-    /** Width at the right side that buttons cover, px. */
-    this.covered = 0;
+    /** The part of the picture that no panel covers, px; its middle shows the target. */
+    this.free = { left: 0, top: 0, width: 1, height: 1 };
     this.update();
   }
 
@@ -76,7 +76,13 @@ export class Camera {
     this.eye = add(this.target, scale(this.back, this.distance));
     this.right = unit(cross(scale(this.back, -1), [0, 0, 1]));
     this.up = cross(this.right, scale(this.back, -1));
-    this.focal = 1.55 * Math.min(this.height, 1.15 * (this.width - this.covered));
+    this.focal = 1.55 * Math.min(this.free.height, 1.15 * this.free.width);
+  }
+
+  /** Returns the place of the target in the picture, px. */
+  get middle() {
+    const { left, top, width, height } = this.free;
+    return { x: left + width / 2, y: top + height / 2 };
   }
 
   /**
@@ -89,8 +95,8 @@ export class Camera {
     const depth = Math.max(0.02, -dot(fromEye, this.back));
     const perMeter = this.focal / depth;
     return {
-      x: (this.width - this.covered) / 2 + perMeter * dot(fromEye, this.right),
-      y: this.height / 2 - perMeter * dot(fromEye, this.up),
+      x: this.middle.x + perMeter * dot(fromEye, this.right),
+      y: this.middle.y - perMeter * dot(fromEye, this.up),
       depth,
       scale: perMeter,
     };

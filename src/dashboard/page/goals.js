@@ -163,16 +163,29 @@ export function residualParts(task, residual) {
 
 /** Returns whether some rows of the tasks depend on others in every posture. @type {(controller: Controller, joints: number) => boolean} */
 export function areDependent({ tasks }, joints) {
-  const rows = tasks.flatMap((task) => {
-    const turn = fixedFrame(task)?.orientation ?? IDENTITY;
-    return (task.axes ?? []).map((axis) => {
-      const isLinear = axis.length === 1;
-      const direction = rotate(turn, unitAxis((isLinear ? LINEAR : ANGULAR).indexOf(axis)));
-      return isLinear ? [...direction, 0, 0, 0] : [0, 0, 0, ...direction];
-    });
-  });
+  const rows = tasks.flatMap(toolRows);
   const others = tasks.reduce((sum, task) => sum + (task.axes ? 0 : (task.jacobian?.length ?? joints)), 0);
   return rows.length + others > joints || rank(rows) < rows.length;
+}
+
+/** Returns the directions of the tool that the tasks control, as far as they are independent. @type {(controller: Controller, joints: number) => number[][]} */
+export function controlledRows({ tasks }, joints) {
+  /** @type {number[][]} */
+  const rows = [];
+  for (const row of tasks.filter(({ link, relative_to: other }) => !link && !other).flatMap(toolRows)) {
+    if (rows.length < joints && rank([...rows, row]) > rows.length) rows.push(row);
+  }
+  return rows;
+}
+
+/** Returns the rows of a task as directions of the tool: linear, then angular part. @type {(task: Task) => number[][]} */
+function toolRows(task) {
+  const turn = fixedFrame(task)?.orientation ?? IDENTITY;
+  return (task.axes ?? []).map((axis) => {
+    const isLinear = axis.length === 1;
+    const direction = rotate(turn, unitAxis((isLinear ? LINEAR : ANGULAR).indexOf(axis)));
+    return isLinear ? [...direction, 0, 0, 0] : [0, 0, 0, ...direction];
+  });
 }
 
 /** @type {(rows: number[][]) => number} number of linearly independent rows, by Gram-Schmidt */

@@ -8,10 +8,19 @@ import { toolPose } from './measures.js';
  * @typedef {import('./types.js').Pose} Pose
  * @typedef {import('./measures.js').Measures} Measures
  * @typedef {{time: number, text: string}} Mark a change by the user, at a time in s
+ *
+ * @typedef {object} Segment a part of the history with one scenario
+ * @property {number} from its first time, s
+ * @property {import('./types.js').Scenario} scenario
+ * @property {Measures | null} measures
+ * @property {number[]} order column of each task
  */
 
 /** Maximum number of samples. When it is reached, every second sample is removed. */
 const CAPACITY = 8192;
+
+/** Maximum number of latest samples that are kept without gaps. */
+const RECENT = 256;
 
 /** Maximum number of tasks whose residuals are stored. */
 export const MAX_TASKS = 6;
@@ -37,6 +46,8 @@ export class History {
     /** @type {Record<string, Float64Array>} */
     this.columns = {};
     for (const name of NAMES) this.columns[name] = new Float64Array(CAPACITY);
+    /** The latest samples, without gaps. @type {LiveSample[]} */
+    this.recent = [];
     /** The stored samples; same indices as the columns. @type {LiveSample[]} */
     this.samples = [];
     /** @type {{time: number, arm: ArmView}[]} */
@@ -46,6 +57,8 @@ export class History {
     this.tasks = 0;
     this.stride = 1;
     this.skipped = 0;
+    /** The runs that this history continues, oldest first. @type {Segment[]} */
+    this.segments = [];
     /** Time of the first sample of the current run, s; above 0 if the run continues another one. */
     this.offset = 0;
     /** Column of each task of the current run. @type {number[]} */
@@ -57,6 +70,8 @@ export class History {
     const measured = this.measures?.of(given);
     const sample = this.offset > 0 ? { ...given, time_s: given.time_s + this.offset } : given;
     this.last = sample;
+    this.recent.push(sample);
+    if (this.recent.length > RECENT) this.recent.splice(0, RECENT / 2);
     this.start ??= toolPose(sample);
     this.tasks = Math.min(sample.residual_norms.length, MAX_TASKS);
     this.skipped += 1;
@@ -75,7 +90,7 @@ export class History {
       column[`target${axis}`][at] = target;
       column[`error${axis}`][at] = force - target;
     }
-    column.sigma[at] = sample.smallest_singular_value;
+    column.sigma[at] = this.measures?.singularValue(given) ?? sample.smallest_singular_value;
     column.roundTrip[at] = sample.round_trip_us;
     column.solve[at] = sample.solve_us;
     column.path[at] = PATHS.indexOf(sample.path);
@@ -88,6 +103,20 @@ export class History {
       column[`angular${place}`][at] = measured?.errors[k]?.angular ?? NaN;
     }
     this.length += 1;
+  }
+
+  /** Begins a part with another scenario. @type {(scenario: import('./types.js').Scenario, measures: Measures | null, order: number[]) => void} */
+  begin(scenario, measures, order) {
+    this.measures = measures;
+    this.offset = this.now;
+    this.order = order;
+    this.segments.push({ from: this.now, scenario, measures, order });
+  }
+
+  /** Returns the part at a time; the latest one for null. @type {(time: number | null) => Segment | undefined} */
+  segmentAt(time) {
+    if (time === null) return this.segments.at(-1);
+    return this.segments.findLast(({ from }) => from <= time) ?? this.segments[0];
   }
 
   /** Removes every second sample. Limits that were active in it are added to its neighbour. */

@@ -66,7 +66,7 @@ export class LinkPoses {
 }
 
 /** Returns a posture inside the ranges of the joints. @type {(robot: Robot, part: number) => number[]} */
-function posture({ joints }, part) {
+export function posture({ joints }, part) {
   return joints.map(({ position_limit: range }) => {
     const [low, high] = range ?? [-1, 1];
     return low + part * (high - low);
@@ -83,7 +83,7 @@ function relative(a, b) {
 }
 
 /** @type {(robot: Robot, answer: KinematicsAnswer, rest: number[]) => Joint[]} */
-function jointsOf(robot, { links }, rest) {
+export function jointsOf(robot, { links }, rest) {
   const names = links.map(({ joint }) => joint);
   return links.map(({ parent, pose }, i) => {
     const at = names.indexOf(parent ?? '');
@@ -93,7 +93,7 @@ function jointsOf(robot, { links }, rest) {
 }
 
 /** Returns the frames of the joints after their motion. Each moves along or about its z. @type {(joints: Joint[], position: number[]) => Placement[]} */
-function jointFrames(joints, position) {
+export function jointFrames(joints, position) {
   /** @type {Placement[]} */
   const frames = [];
   joints.forEach(({ parent, placement, rest, slides }, i) => {
@@ -106,7 +106,7 @@ function jointFrames(joints, position) {
 }
 
 /** Returns which joint carries a link: of those that move it, the one after most others. @type {(joints: Joint[], answer: KinematicsAnswer, rest: number[]) => Mount} */
-function mountOf(joints, { jacobian, pose }, rest) {
+export function mountOf(joints, { jacobian, pose }, rest) {
   const moves = (/** @type {number} */ joint) => jacobian.some((row) => Math.abs(row[joint]) > NO_MOTION);
   const depth = (/** @type {number} */ joint) => {
     let count = 0;
@@ -120,7 +120,7 @@ function mountOf(joints, { jacobian, pose }, rest) {
 }
 
 /** @type {(mount: Mount, frames: Placement[]) => Placement} */
-const mounted = ({ carrier, offset }, frames) => compose(frames[carrier] ?? BASE, offset);
+export const mounted = ({ carrier, offset }, frames) => compose(frames[carrier] ?? BASE, offset);
 
 /** Compares the places of the origin and of points on two axes. @type {(a: Placement, b: Placement) => boolean} */
 function differ(a, b) {

@@ -7,26 +7,29 @@ import * as editing from './editing.js';
 import { drawFigures } from './figures.js';
 import { drawLegends, drawSceneLegend } from './legends.js';
 import { drawNumbers } from './numbers.js';
+import { showInvite } from './invite.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
 import { roomController } from './room.js';
+import * as replay from './replay.js';
 import * as roomSwitch from './room_switch.js';
 import { Scene } from './scene.js';
+import { viewOf } from './shared_state.js';
 import { state } from './state.js';
 import * as theme from './theme.js';
 import * as timeline from './timeline.js';
 import { view } from './view.js';
 import { world } from './world.js';
 
-/** Minimum interval between two drawings of the scene and of the plots, ms: about 20 and 10 per second. */
+/** Minimum interval between two drawings of the scene on the canvas, and of the plots, ms: about 20 and 10 per second. */
 const SCENE_INTERVAL = 45;
 const PLOTS_INTERVAL = 95;
 
 let needsRedraw = true;
-let [sceneDrawn, plotsDrawn] = [0, 0];
+let [sceneDrawn, plotsDrawn, replayed] = [0, 0, 0];
 
-const scene = new Scene(element('scene'));
+const scene = new Scene(element('scene'), element('solid'), element('free'));
 const runControl = new RunControl(() => { needsRedraw = true; }, showError);
 
 /** @type {(work: () => Promise<unknown>) => void} */
@@ -38,7 +41,9 @@ editing.bind(runControl);
 controls.bind(runControl, attempt);
 timeline.bind(runControl);
 pointer.bind(scene, runControl);
-exporting.bind(runControl, scene, attempt);
+const recorder = exporting.bind(runControl, scene, attempt);
+replay.bind(runControl);
+scene.viewOfLink = viewOf(new URLSearchParams(location.hash.slice(1)).get('view'));
 
 roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
@@ -49,22 +54,29 @@ element('close-up').onclick = () => {
   element('close-up').ariaPressed = String(runControl.closeUp);
   needsRedraw = true;
 };
-new ResizeObserver(() => { needsRedraw = true; }).observe(element('scene'));
-addEventListener('scroll', () => { needsRedraw = true; }, { passive: true });
+const resized = new ResizeObserver(() => { needsRedraw = true; });
+for (const id of ['scene', 'free', 'plots']) resized.observe(element(id));
+addEventListener('scroll', () => { needsRedraw = true; }, { passive: true, capture: true });
 addEventListener('pagehide', () => runControl.reset());
-if (matchMedia('(max-width: 760px)').matches) element('setup').removeAttribute('open');
+if (matchMedia('(max-width: 1180px)').matches) element('setup').removeAttribute('open');
+if (matchMedia('(max-width: 1380px)').matches) element('plots').removeAttribute('open');
 
 /** @param {number} now ms */
 function draw(now) {
   requestAnimationFrame(draw);
-  if (!needsRedraw || now - sceneDrawn < SCENE_INTERVAL) return;
+  const isEven = scene.solid !== null;
+  const isReplaying = replay.advance(runControl, Math.min(0.1, (now - replayed) / 1000));
+  replayed = now;
+  needsRedraw ||= isReplaying || scene.isMoving || (isEven && state.value.phase === 'running');
+  if (!needsRedraw || (!isEven && now - sceneDrawn < SCENE_INTERVAL)) return;
   needsRedraw = false;
   sceneDrawn = now;
-  const shown = world(runControl);
+  const shown = world(runControl, isEven ? now / 1000 : null);
   const { scenario, watch } = runControl;
   const subject = watch?.session.id ?? `${scenario?.name} ${scenario?.controller.robot}`;
-  scene.draw(shown, runControl.robot, subject);
-  needsRedraw ||= scene.framing.isMoving;
+  scene.draw(shown, runControl.robot, subject, now);
+  showInvite(runControl, scene, shown);
+  recorder.addPicture();
   if (now - plotsDrawn < PLOTS_INTERVAL) {
     needsRedraw = true;
     return;
@@ -87,7 +99,10 @@ watchConnection(async () => {
     await runControl.load();
     runControl.showSetup();
     state.set({ connection: 'ready' });
-    if (!wasUnreachable) return;
+    if (!wasUnreachable) {
+      await runControl.startMotion();
+      return;
+    }
     const detail = state.value.phase === 'lost' ? 'The run was lost. Press Run to start a new one.' : 'No run was lost.';
     notify('The service is available again', detail, { info: true });
   } catch (error) {
@@ -95,6 +110,7 @@ watchConnection(async () => {
       await runControl.load();
       runControl.showSetup();
       state.set({ connection: 'ready' });
+      await runControl.startMotion();
     }));
   }
 });

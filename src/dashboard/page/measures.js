@@ -1,7 +1,7 @@
 // Quantities that the page computes from samples: forces along the axes of the tasks, and pose errors.
 
 import { vec } from './arm.js';
-import { along, forceRows, poseError, positionRows, residualParts, targetPose } from './goals.js';
+import { along, areDependent, forceRows, poseError, positionRows, residualParts, targetPose } from './goals.js';
 import { perRow, valueAt } from './profile.js';
 
 /**
@@ -31,9 +31,13 @@ export class Measures {
   /**
    * @param {Controller} controller
    * @param {Pose | null} start pose of the tool from which targets are measured; null: that of the first sample
+   * @param {import('./kinematics.js').Kinematics | null} kinematics
    */
-  constructor(controller, start) {
+  constructor(controller, start, kinematics = null) {
     this.controller = controller;
+    this.kinematics = kinematics;
+    /** Whether the rows of all tasks together are singular or regular in every posture, so that only those of the tool count. */
+    this.isDependent = areDependent(controller, kinematics?.joints.length ?? 0);
     this.start = start;
     /** @type {ForceRow[]} */
     this.rows = forceRows(controller);
@@ -62,6 +66,14 @@ export class Measures {
       target: own ? this.rows.map(({ direction, target }) => baseTarget(sample, direction) ?? target(time)) : sample.target_force,
       errors: this.controller.tasks.map((task, k) => this.error(task, k, sample, elapsed)),
     };
+  }
+
+  /** Returns the smallest singular value of the tasks; of the tool's directions if the rows of all tasks are dependent. @type {(sample: LiveSample) => number} */
+  singularValue(sample) {
+    const { kinematics, controller } = this;
+    if (!kinematics || !this.isDependent) return sample.smallest_singular_value;
+    const sigma = kinematics.smallestSingularValue(controller, sample.joint_position);
+    return Number.isFinite(sigma) ? sigma : sample.smallest_singular_value;
   }
 
   /** @type {(task: Task, k: number, sample: LiveSample, elapsed: number) => PoseError} */

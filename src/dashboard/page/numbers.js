@@ -1,6 +1,7 @@
 // The numbers next to the scene, and the descriptions for screen readers.
 
 import { forceAxes, forceLabel } from './force_plot.js';
+import { toolPose } from './measures.js';
 import { element } from './notices.js';
 import { angle, distance, fixed, microseconds, scientific } from './number.js';
 import { nearestText } from './overlay.js';
@@ -75,15 +76,15 @@ function drawError(runControl, view) {
   const index = view.cursor === null ? history.length - 1 : Math.max(0, history.indexAt(view.cursor));
   const goal = handle(runControl);
   const controller = view.controller;
-  const first = (controller?.tasks ?? []).findIndex((_, k) => index >= 0 && !Number.isNaN(history.columns[`linear${history.order[k] ?? k}`][index]));
-  const place = history.order[first] ?? first;
+  const first = (controller?.tasks ?? []).findIndex((_, k) => index >= 0 && !Number.isNaN(history.columns[`linear${view.order[k] ?? k}`][index]));
+  const place = view.order[first] ?? first;
   const linear = first < 0 ? NaN : history.columns[`linear${place}`][index];
   const angular = first < 0 ? NaN : history.columns[`angular${place}`][index];
   setText('force-value', Number.isNaN(linear) ? '–' : fixed(linear * 1e3, 1));
   setText('force-unit', 'mm');
   const name = controller?.tasks[first]?.name ?? goal?.task.name ?? '';
   setText('force-target', name ? `error of “${name}”` : 'pose error');
-  const tool = runControl.tool?.position;
+  const tool = (view.sample ? toolPose(view.sample) : runControl.tool)?.position;
   const away = goal && tool ? distance(distanceTo(goal, tool)) : distance(linear);
   const text = `error of ${name} ${distance(linear)}${Number.isNaN(angular) ? '' : `, ${angle(angular)}`}`;
   return { text, row: ['To the target', away] };
@@ -96,7 +97,7 @@ function drawReadouts(runControl, view, { row }) {
   const frame = run?.frame;
   const trips = frame?.round_trip;
   const hasTrips = trips && trips.counts.some((count) => count > 0);
-  const sigma = sample?.smallest_singular_value;
+  const { sigma } = view;
   /** @type {[string, string, boolean?][]} */
   const numbers = [
     row,

@@ -65,8 +65,8 @@ function scenario(robot, posture, linear, angular) {
     duration_s: DURATION,
     start_joint_position: posture,
     controller: {
-      robot: robot.name, period_s: PERIOD, method: 'strict_reverse_priority', solver: 'auto',
-      limits: 'position_velocity', drive: { lag_s: 0, delay_periods: 0 }, damping: { threshold: 0.05, max_factor: 0.1 }, tasks,
+      // Limits, drive and damping are the defaults of the service, as on a real arm.
+      robot: robot.name, period_s: PERIOD, method: 'strict_reverse_priority', solver: 'auto', tasks,
     },
   });
 }

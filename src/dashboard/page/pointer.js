@@ -71,6 +71,7 @@ function bindPointer(scene, runControl) {
     if (goal && fingers.size === 1 && isOnGoal(event)) held = { x: event.offsetX, y: event.offsetY, scale: goal.scale };
     else if (spot && fingers.size === 1 && isNear(event)) grab = { x: event.offsetX, y: event.offsetY, scale: spot.scale };
     else if (fingers.size === 1) lifted = liftedBy(event, under(event));
+    scene.orbit.grab();
     canvas.classList.add('held');
   };
   canvas.onpointermove = (event) => {
@@ -97,14 +98,14 @@ function bindPointer(scene, runControl) {
       pinch(scene, fingers, event.pointerId, now);
       scene.framing.isManual = true;
     } else {
-      camera.azimuth -= (now.x - before.x) * 0.008;
-      camera.elevation += (now.y - before.y) * 0.008;
+      scene.orbit.move(now.x - before.x, now.y - before.y, event.timeStamp);
     }
     fingers.set(event.pointerId, now);
     runControl.onChange();
   };
   const release = (/** @type {PointerEvent} */ event) => {
     fingers.delete(event.pointerId);
+    scene.orbit.release(event.timeStamp);
     if (grab) runControl.pushWith(null);
     grab = null;
     if (held) dropTarget(runControl);

@@ -37,18 +37,39 @@ export function valueAt(profile, rows, time) {
       const passed = profile.points.filter((point) => point.time_s <= time);
       return list((passed.at(-1) ?? profile.points[0]).value);
     }
-    case 'waypoints':
-      return Array.from({ length: rows }, (_, row) =>
-        spline(profile.points.map(({ time_s }) => time_s), profile.points.map(({ value }) => list(value)[row]), time));
+    case 'waypoints': {
+      const { times, values, rates } = splineOf(profile, rows);
+      return values.map((column, row) => spline(times, column, rates[row], time));
+    }
   }
 }
 
-/** @type {(times: number[], values: number[], time: number) => number} cubic spline, at rest at its ends */
-function spline(times, values, time) {
+/**
+ * @typedef {object} Spline through the points of a profile
+ * @property {number[]} times s
+ * @property {number[][]} values per row
+ * @property {number[][]} rates derivatives at the points, per row
+ */
+
+/** @type {WeakMap<Profile, Spline>} */
+const splines = new WeakMap();
+
+/** @type {(profile: Extract<Profile, {kind: 'waypoints'}>, rows: number) => Spline} */
+function splineOf(profile, rows) {
+  const known = splines.get(profile);
+  if (known?.values.length === rows) return known;
+  const times = profile.points.map(({ time_s }) => time_s);
+  const values = Array.from({ length: rows }, (_, row) => profile.points.map(({ value }) => perRow(value, rows)[row]));
+  const made = { times, values, rates: values.map((column) => (times.length > 1 ? clampedRates(times, column) : [0])) };
+  splines.set(profile, made);
+  return made;
+}
+
+/** @type {(times: number[], values: number[], rates: number[], time: number) => number} cubic spline, at rest at its ends */
+function spline(times, values, rates, time) {
   const last = times.length - 1;
   if (time <= times[0] || last === 0) return values[0];
   if (time >= times[last]) return values[last];
-  const rates = clampedRates(times, values);
   const i = times.findLastIndex((knot) => knot <= time);
   const h = times[i + 1] - times[i];
   const s = (time - times[i]) / h;

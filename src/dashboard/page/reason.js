@@ -1,7 +1,7 @@
 // One sentence that says why tasks give way: which limits, planes or singularities hold them back, and by how much.
 
-import { areDependent, residualParts } from './goals.js';
-import { quantity } from './number.js';
+import { residualParts } from './goals.js';
+import { angle, distance, quantity } from './number.js';
 
 /**
  * @typedef {import('./view.js').View} View
@@ -19,6 +19,9 @@ const AT_SPEED = 0.98;
 
 /** Smallest velocity that a task gives up, m/s or rad/s. */
 const MIN_GIVEN_UP = 1e-4;
+
+/** Speed of all joints below which the arm rests, rad/s or m/s. */
+const RESTING = 2e-3;
 
 /** Maximum number of causes and of tasks in the sentence. */
 const MAX_PARTS = 3;
@@ -44,24 +47,54 @@ function recent({ history, sample }) {
 export function reason(view) {
   const sample = recent(view);
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
-  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view, sample)];
+  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view)];
   const losses = lossesOf(view, sample);
   if (losses.length === 0) {
     const text = causes.length > 0 ? `${joined(causes)}; every task is achieved.` : 'Every task is achieved; no limit is active.';
     return { text: capital(text), kind: 'ok' };
   }
+  const lost = losses.map(({ name, amount }, i) => `${name}${amount.startsWith('stays') ? ' ' : i === 0 ? ' gives up ' : ': '}${amount}`);
+  if (isOrdinary(view, losses)) {
+    const held = causes.length > 0 ? `${joined(causes)}; ` : '';
+    return { text: capital(`${held}every task above is achieved; ${joined(lost)}, since it has the motion that is left.`), kind: 'ok' };
+  }
   const why = causes.length > 0 ? joined(causes) : 'the tasks are in conflict';
-  return { text: capital(`${why}; ${joined(losses)}.`), kind: 'limited' };
+  return { text: capital(`${why}; ${joined(lost)}.`), kind: 'limited' };
 }
 
-/** @type {(view: View, sample: LiveSample) => string[]} */
-function limitCauses({ robot, labels }, sample) {
-  const at = (/** @type {number} */ joint, /** @type {'lower' | 'upper'} */ side) => {
+/** Returns whether only the lowest task gives way, and that task is a posture: a redundant arm that moves does so all the time. @type {(view: View, losses: Loss[]) => boolean} */
+function isOrdinary({ controller }, losses) {
+  const tasks = controller?.tasks ?? [];
+  return losses.length === 1 && losses[0].task === tasks.length - 1 && tasks.length > 1 && tasks.at(-1)?.law?.kind === 'posture';
+}
+
+/** Returns the limits that are active, each joint once. @type {(view: View, sample: LiveSample) => string[]} */
+function limitCauses(view, sample) {
+  return activeLimits(view, sample).map(({ label, text }) => `${label} ${text}`);
+}
+
+/**
+ * @typedef {object} ActiveLimit
+ * @property {number} joint
+ * @property {string} label
+ * @property {string} text what it is at
+ * @property {('lower' | 'upper')[]} sides
+ */
+
+/** Returns the limits that are active in a sample, each joint once. @type {(view: Pick<View, 'robot' | 'labels'>, sample: LiveSample) => ActiveLimit[]} */
+export function activeLimits({ robot, labels }, sample) {
+  /** @type {Map<number, ('lower' | 'upper')[]>} */
+  const sides = new Map();
+  for (const side of /** @type {const} */ (['lower', 'upper'])) {
+    for (const joint of side === 'lower' ? sample.at_lower : sample.at_upper) sides.set(joint, [...(sides.get(joint) ?? []), side]);
+  }
+  return [...sides].sort(([a], [b]) => a - b).flatMap(([joint, of]) => {
     const limits = robot?.joints[joint];
-    return limits ? `${labels[joint]} ${cause(limits, sample, joint, side)}` : '';
-  };
-  const lower = sample.at_lower.map((joint) => at(joint, 'lower'));
-  return [...lower, ...sample.at_upper.map((joint) => at(joint, 'upper'))].filter(Boolean);
+    if (!limits) return [];
+    const texts = of.map((side) => cause(limits, sample, joint, side));
+    const text = texts.find((known) => !known.endsWith('velocity bound')) ?? (of.length > 1 ? 'is at its velocity bounds' : texts[0]);
+    return [{ joint, label: labels[joint], text, sides: of }];
+  });
 }
 
 /** @type {(limits: RobotJoint, sample: LiveSample, joint: number, side: 'lower' | 'upper') => string} */
@@ -89,25 +122,38 @@ function planeCauses({ active_inequalities: names }) {
   return others.map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
 }
 
-/** @type {(view: View, sample: LiveSample) => string[]} */
-function singularCause({ threshold, controller, robot }, { smallest_singular_value: sigma }) {
-  // Tasks that ask for several velocities in one direction are singular in every posture.
-  if (!controller || areDependent(controller, robot?.joints.length ?? 0)) return [];
+/** @type {(view: View) => string[]} */
+function singularCause({ threshold, controller, sigma, history }) {
+  const { measures } = history;
+  if (!controller || sigma === undefined || (measures?.isDependent && !measures.kinematics)) return [];
   const isDamped = threshold !== null && sigma < threshold;
   return isDamped ? [`the arm is near a singularity (σ = ${quantity(sigma, '', 2).trim()})`] : [];
 }
 
-/** Returns what each task gives up. @type {(view: View, sample: LiveSample) => string[]} */
-function lossesOf({ controller }, sample) {
-  return (controller?.tasks ?? []).flatMap((task, k) => {
+/** @typedef {{task: number, name: string, amount: string}} Loss */
+
+/** Returns what each task gives up; while the arm rests, how far it stays from its target. @type {(view: View, sample: LiveSample) => Loss[]} */
+function lossesOf(view, sample) {
+  const rests = sample.joint_velocity.every((speed) => Math.abs(speed) < RESTING);
+  return (view.controller?.tasks ?? []).flatMap((task, k) => {
     if ((sample.residual_norms[k] ?? 0) < MIN_GIVEN_UP) return [];
     const { linear, angular } = residualParts(task, sample.task_residuals[k] ?? []);
     const parts = [
       linear >= MIN_GIVEN_UP ? quantity(linear, 'm/s', 2) : '',
       angular >= MIN_GIVEN_UP ? quantity(angular, 'rad/s', 2) : '',
     ].filter(Boolean);
-    return parts.length > 0 ? [{ name: `task ${k + 1} “${task.name}”`, amount: parts.join(' and ') }] : [];
-  }).map(({ name, amount }, i) => `${name}${i === 0 ? ' gives up' : ':'} ${amount}`);
+    if (parts.length === 0) return [];
+    const away = rests ? distanceLeft(view, k) : '';
+    return [{ task: k, name: `task ${k + 1} “${task.name}”`, amount: away ? `stays ${away} from its target` : parts.join(' and ') }];
+  });
+}
+
+/** Returns how far a task is from its target; empty if that is not known. @type {(view: View, k: number) => string} */
+function distanceLeft({ history, sample, order }, k) {
+  const place = order[k] ?? k;
+  const index = history.indexAt(sample?.time_s ?? 0);
+  const [linear, angular] = [history.columns[`linear${place}`]?.[index], history.columns[`angular${place}`]?.[index]];
+  return [linear >= 0 ? distance(linear) : '', angular >= 0 ? angle(angular) : ''].filter(Boolean).join(' and ');
 }
 
 /** @type {(parts: string[]) => string} */

@@ -6,6 +6,7 @@ import { PLAYGROUND } from './setup.js';
 import { ApiError, post, removeNow } from './transport.js';
 import { parseUrdf } from './urdf.js';
 import { loadVisuals } from './visuals.js';
+import { unzip } from './zip.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -86,11 +87,24 @@ async function filesOf(entries) {
   return files;
 }
 
-/** Registers the robot of a URDF file and shows it. @type {(runControl: RunControl, files: Files) => Promise<void>} */
-async function register(runControl, files) {
-  const [path, file] = [...files].find(([name]) => /\.(urdf|xml)$/i.test(name)) ?? [];
+/** Returns the files with those of zip files among them. @type {(given: Files) => Promise<Files>} */
+async function unpacked(given) {
+  /** @type {Files} */
+  const files = new Map();
+  for (const [path, file] of given) {
+    const inner = /\.zip$/i.test(path) ? await unzip(file) : new Map([[path, file]]);
+    for (const [name, content] of inner) files.set(name, content);
+  }
+  return files;
+}
+
+/** Registers the robot of a URDF file and shows it. @type {(runControl: RunControl, given: Files) => Promise<void>} */
+async function register(runControl, given) {
+  const files = await unpacked(given);
+  const found = [/\.urdf$/i, /\.xml$/i].map((ending) => [...files].find(([name]) => ending.test(name)));
+  const [path, file] = found[0] ?? found[1] ?? [];
   if (!file || !path) {
-    notify('No URDF file', 'Drop a file that ends with .urdf, together with its meshes (STL, OBJ, Collada or glTF) or their folder.');
+    notify('No URDF file', 'Drop a file that ends with .urdf, together with its meshes (STL, OBJ, Collada or glTF) or their folder, or a zip file of both.');
     return;
   }
   const urdf = await file.text();

@@ -50,8 +50,9 @@ let clearance = null;
 
 /** Returns the controller whose obstacles are shown: that of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
 export function roomController(runControl) {
-  const { watch, applied, draggedObstacle } = runControl;
+  const { watch, applied, pastScenario, draggedObstacle } = runControl;
   if (watch) return watch.session.controller;
+  if (pastScenario) return pastScenario.controller;
   const controller = applied?.controller;
   if (!draggedObstacle || !controller?.collisions) return controller;
   return { ...controller, collisions: { ...controller.collisions, obstacles: setupObstacles(runControl) } };

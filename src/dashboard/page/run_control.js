@@ -2,6 +2,7 @@
 
 import { vec } from './arm.js';
 import { History } from './history.js';
+import { Kinematics } from './kinematics.js';
 import { Measures, toolPose } from './measures.js';
 import { playground } from './playground.js';
 import { Run } from './run.js';
@@ -23,6 +24,9 @@ import { Watch } from './watch.js';
  * @typedef {import('./types.js').Vec3} Vec3
  * @typedef {import('./setup.js').Setup} Setup
  */
+
+/** Robot of the playground that opens first. */
+const FIRST_ROBOT = 'panda';
 
 /** Minimum interval between two commands with a push, ms; the service ends a push after one second. */
 const PUSH_INTERVAL = 100;
@@ -50,6 +54,8 @@ export class RunControl {
     this.robot = null;
     /** Shapes of the links by robot name. @type {Map<string, import('./visuals.js').Visuals>} */
     this.visuals = new Map();
+    /** @type {Kinematics | null} of the shown robot */
+    this.kinematics = null;
     /** @type {ArmView | null} the arm at the start of the scenario */
     this.preview = null;
     /** @type {Run | null} */
@@ -66,6 +72,8 @@ export class RunControl {
     this.dragged = null;
     /** The obstacle that the user drags. @type {import('./types.js').RoomObstacle | null} */
     this.draggedObstacle = null;
+    /** The result of `applied`, and of what. @type {{scenario: Scenario, setup: Setup, preview: ArmView | null, result: Scenario} | null} */
+    this.lastApplied = null;
     this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
@@ -83,7 +91,12 @@ export class RunControl {
 
   /** The scenario with the changes of the setup. @returns {Scenario | null} */
   get applied() {
-    return this.scenario && this.setup ? setups.applyTo(this.scenario, this.setup, this.startPosition) : null;
+    const { scenario, setup, preview, lastApplied: last } = this;
+    if (!scenario || !setup) return null;
+    if (last && last.scenario === scenario && last.setup === setup && last.preview === preview) return last.result;
+    const result = setups.applyTo(scenario, setup, this.startPosition);
+    this.lastApplied = { scenario, setup, preview, result };
+    return result;
   }
 
   /** Position of the tool at the start of the scenario, m. @returns {Vec3} */
@@ -97,10 +110,11 @@ export class RunControl {
     const { scenarios } = await get('/v1/scenarios');
     await this.loadRobots();
     this.scenarios = scenarios.map(({ scenario }) => scenario);
-    const robot = this.setup?.robot || new URLSearchParams(location.hash.slice(1)).get('robot');
+    const isFirst = !this.setup && location.hash.length < 2;
+    const robot = this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
     if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot);
-    const fallback = this.scenarios.find(({ name }) => name === 'stiff_wall') ?? this.scenarios[0];
-    this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? setups.defaults(fallback);
+    const fallback = this.scenarios.find(({ name }) => name === (isFirst ? setups.PLAYGROUND : 'stiff_wall')) ?? this.scenarios[0];
+    this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? { ...setups.defaults(fallback), motion: isFirst ? 'eight' : '' };
     const { scenario } = this.setup;
     this.scenario = this.scenarios.find(({ name }) => name === scenario) ?? fallback;
     await this.showStart();
@@ -127,6 +141,7 @@ export class RunControl {
     if (this.robot?.name !== robot) this.robot = await get(`/v1/robots/${robot}`);
     /** @type {KinematicsAnswer} */
     const answer = await post('/v1/kinematics', { robot, joint_position: this.scenario.start_joint_position });
+    this.kinematics = new Kinematics(/** @type {Robot} */ (this.robot), answer, this.scenario.start_joint_position);
     this.preview = {
       joints: answer.links.map(({ pose }) => ({ origin: pose.position, axis: zOf(pose.orientation), lower: null, upper: null })),
       tool: answer.pose,
@@ -141,9 +156,8 @@ export class RunControl {
   async selectScenario(name) {
     const scenario = this.scenarios.find((known) => known.name === name);
     if (!scenario || !this.setup) return;
-    const { method, solver, ghost, speed } = this.setup;
+    this.setup = setups.forScenario(scenario, this.setup, this.scenario);
     this.scenario = scenario;
-    this.setup = { ...setups.defaults(scenario), method, solver, ghost, speed };
     this.reset();
     await this.showStart();
   }
@@ -163,6 +177,12 @@ export class RunControl {
       : command;
     await Promise.all(runs.map((run) => run?.control(run === this.ghost ? ghostCommand : command)));
     this.updatePhase();
+  }
+
+  /** Starts the playground that moves by itself, unless the user prefers no motion. */
+  async startMotion() {
+    const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    if (this.setup?.motion && !isCalm && !this.run && !this.watch) await this.start(false);
   }
 
   /** Starts, pauses or resumes the run. */
@@ -194,7 +214,11 @@ export class RunControl {
     if (!setup || !applied) return;
     this.reset();
     const start = preview?.tool ?? null;
-    const history = () => new History(new Measures(applied.controller, start));
+    const history = () => {
+      const made = new History();
+      made.begin(applied, new Measures(applied.controller, start, this.kinematics), []);
+      return made;
+    };
     await this.startRuns(applied, history(), setup.ghost ? applied : null, history(), paused);
   }
 
@@ -295,6 +319,7 @@ export class RunControl {
     const watch = await Watch.open(id);
     this.watch = watch;
     this.robot = watch.robot;
+    this.kinematics = watch.kinematics;
     state.set({ phase: 'watching' });
     watch.follow(() => this.onChange(), (reason, error) => {
       if (this.watch !== watch) return;
@@ -337,6 +362,12 @@ export class RunControl {
   /** @returns {LiveSample | undefined} */
   get sample() {
     return this.history.last;
+  }
+
+  /** The scenario of the shown part of the past; null for the present. @returns {Scenario | null} */
+  get pastScenario() {
+    if (this.cursor === null || this.watch) return null;
+    return this.history.segmentAt(this.cursor)?.scenario ?? null;
   }
 
   /** Pose of the tool in the latest sample, or at the start. @returns {Pose | null} */

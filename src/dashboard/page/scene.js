@@ -3,12 +3,16 @@
 import { bodies, vec } from './arm.js';
 import { forces, target } from './arrows.js';
 import { Framing } from './framing.js';
+import { Orbit } from './orbit.js';
+import { Pace } from './pace.js';
+import { solidScene } from './renderer_choice.js';
 import { Camera, dot, sub } from './geometry.js';
 import { depthOf, drawHalfSpace, drawPairs, drawSolids, facesCamera } from './overlay.js';
 import { drawBodies } from './shading.js';
-import { floor, spring, wall } from './surroundings.js';
+import { drawSigns } from './signs.js';
+import { axes, floor, spring, wall } from './surroundings.js';
 import { palette } from './theme.js';
-import { areDrawable, drawVisuals } from './visuals.js';
+import { areDrawable, drawParts, placedParts } from './visuals.js';
 
 /**
  * @typedef {import('./types.js').ArmView} ArmView
@@ -26,9 +30,13 @@ import { areDrawable, drawVisuals } from './visuals.js';
  * @typedef {object} Ghost
  * @property {ArmView} arm
  * @property {History} history
+ * @property {number[]} position q, rad or m
  *
  * @typedef {object} World
+ * @property {boolean} [moves] whether the target goes round by itself
+ * @property {import('./kinematics.js').Kinematics | null} kinematics of the shown robot
  * @property {ArmView | null} arm
+ * @property {import('./signs.js').Signs | null} signs of the tasks
  * @property {boolean[]} atLimit
  * @property {History} history
  * @property {number | null} until end of the drawn path, s; null: its latest point
@@ -44,62 +52,136 @@ import { areDrawable, drawVisuals } from './visuals.js';
  * @property {number[]} position q, rad or m
  */
 
-/** Width of the buttons over the scene, px. */
-const PUSH_WIDTH = 100;
-
-/** On narrow screens the buttons are below the scene. */
-const isNarrow = matchMedia('(max-width: 760px)');
+/** Smallest width and height of the free part of the scene that the camera uses, px. */
+const MIN_FREE = 120;
 
 export class Scene {
-  /** @param {HTMLCanvasElement} canvas */
-  constructor(canvas) {
+  /**
+   * @param {HTMLCanvasElement} canvas for everything without WebGL, else for labels and arrows
+   * @param {HTMLCanvasElement} solidCanvas for WebGL, behind it
+   * @param {HTMLElement} free covers the part that no panel covers
+   */
+  constructor(canvas, solidCanvas, free) {
     this.canvas = canvas;
+    this.solidCanvas = solidCanvas;
+    this.free = free;
     this.camera = new Camera();
     this.layer = document.createElement('canvas');
     this.framing = new Framing(this.camera);
+    this.orbit = new Orbit(this.camera);
+    this.pace = new Pace();
+    this.drawnAt = 0;
+    /** View of the link that opened the page. @type {ReturnType<typeof import('./shared_state.js').viewOf>} */
+    this.viewOfLink = null;
+    this.solid = solidScene(solidCanvas, () => this.useCanvas());
+    solidCanvas.hidden = !this.solid;
+    canvas.dataset.renderer = this.solid ? 'webgl' : 'canvas';
+  }
+
+  /** @param {NonNullable<Scene['viewOfLink']>} view */
+  showView(view) {
+    Object.assign(this.camera, view);
+    this.framing.isManual = true;
+    this.framing.goal = null;
+    this.viewOfLink = null;
+  }
+
+  /** Draws on the canvas from now on: the graphics card was lost. */
+  useCanvas() {
+    this.solid = null;
+    this.solidCanvas.hidden = true;
+    this.canvas.dataset.renderer = 'canvas';
+  }
+
+  /** Paints what is shown, without the parts behind panels, on another canvas. @param {HTMLCanvasElement} canvas */
+  paint(canvas) {
+    const { free, width } = this.camera;
+    const factor = this.canvas.width / Math.max(1, width);
+    // Films need an even number of pixels.
+    resize(canvas, 2 * Math.floor((free.width * factor) / 2), 2 * Math.floor((free.height * factor) / 2), 1);
+    const context = canvas.getContext('2d');
+    if (!context) return;
+    this.solid?.redraw();
+    for (const layer of this.solid ? [this.solidCanvas, this.canvas] : [this.canvas]) {
+      const scale = layer.width / Math.max(1, width);
+      context.drawImage(layer, free.left * scale, free.top * scale, free.width * scale, free.height * scale, 0, 0, canvas.width, canvas.height);
+    }
+  }
+
+  /** Returns whether the camera moves by itself. */
+  get isMoving() {
+    return this.framing.isMoving || this.orbit.isMoving;
   }
 
   /**
    * @param {World} world
    * @param {import('./types.js').Robot | null} robot
    * @param {string} subject name of the scenario and the robot, or id of the session
+   * @param {number} now ms
    */
-  draw(world, robot, subject) {
-    const { canvas, camera } = this;
+  draw(world, robot, subject, now) {
+    const { canvas, camera, solid } = this;
     const density = Math.min(2, devicePixelRatio || 1);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (width === 0 || height === 0) return;
-    if (canvas.width !== Math.round(width * density) || canvas.height !== Math.round(height * density)) {
-      canvas.width = Math.round(width * density);
-      canvas.height = Math.round(height * density);
-    }
-    Object.assign(camera, { width, height, covered: isNarrow.matches ? 0 : PUSH_WIDTH });
-    this.framing.follow(world, subject);
+    resize(canvas, width, height, density);
+    Object.assign(camera, { width, height, free: this.freePart() });
+    const elapsed = Math.min(0.1, (now - this.drawnAt) / 1000);
+    this.drawnAt = now;
+    this.orbit.glide(elapsed);
+    this.framing.follow(world, subject, elapsed);
+    if (world.arm && this.viewOfLink) this.showView(this.viewOfLink);
     camera.update();
     const context = canvas.getContext('2d');
     if (!context) return;
-    context.setTransform(density, 0, 0, density, 0, 0);
     const colours = palette();
-    backdrop(context, camera, colours);
-    floor(context, camera, colours);
-    if (!world.arm) return;
-    const { arm } = world;
+    context.setTransform(density, 0, 0, density, 0, 0);
+    if (solid) {
+      context.clearRect(0, 0, width, height);
+      this.pace.note(now);
+      resize(this.solidCanvas, width, height, this.pace.density);
+      solid.draw(camera, world, robot, colours);
+      axes(context, camera, colours, false);
+    } else {
+      backdrop(context, camera, colours);
+      floor(context, camera, colours);
+      if (world.arm) this.drawBodies(context, world, world.arm, robot, colours, density);
+    }
+    if (world.arm) this.drawSigns(context, world, colours);
+  }
+
+  /** Draws arms, walls and obstacles on the canvas. @type {(context: CanvasRenderingContext2D, world: World, arm: ArmView, robot: import('./types.js').Robot | null, colours: Palette, density: number) => void} */
+  drawBodies(context, world, arm, robot, colours, density) {
+    const { camera } = this;
     const { visuals } = world;
     const parts = bodies(arm, world.atLimit);
     shadow(context, camera, parts, colours);
-    const wallsBehind = world.contacts.filter((contact) => contact.isWall && isBehind(camera, contact));
-    const wallsInFront = world.contacts.filter((contact) => contact.isWall && !isBehind(camera, contact));
-    wallsBehind.forEach((contact) => wall(context, camera, contact, world, colours));
-    world.contacts.filter(({ isWall }) => !isWall).forEach((contact) => spring(context, camera, contact, world, colours));
+    const walls = world.contacts.filter(({ isWall }) => isWall);
+    walls.filter((contact) => isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
     if (world.room) this.drawObstacles(context, world.room, arm, true, colours, density);
     if (world.ghost) this.drawGhost(context, world.ghost, world.until, colours, density);
     trail(context, camera, world.history, world.until, colours.accent, []);
-    if (robot && areDrawable(visuals)) drawVisuals(context, camera, visuals, robot, world.position, world.atLimit, colours);
+    if (robot && areDrawable(visuals)) drawParts(context, camera, placedParts(visuals, robot, world.position, world.atLimit, colours));
     else drawBodies(context, camera, parts, ({ material }) => colours.materials[material]);
-    wallsInFront.forEach((contact) => wall(context, camera, contact, world, colours));
+    walls.filter((contact) => !isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
     if (world.room) this.drawRoom(context, world.room, arm, colours, density);
+  }
+
+  /** Draws what is not a body: springs, distances, targets and forces. @type {(context: CanvasRenderingContext2D, world: World, colours: Palette) => void} */
+  drawSigns(context, world, colours) {
+    const { camera } = this;
+    world.contacts.filter(({ isWall }) => !isWall).forEach((contact) => spring(context, camera, contact, world, colours));
+    if (world.room) drawPairs(context, camera, world.room.pairs, colours);
+    if (world.signs) drawSigns(context, camera, world.signs, colours);
     target(context, camera, world, colours);
     forces(context, camera, world, colours);
+  }
+
+  /** Returns the part of the canvas that no panel covers, px. */
+  freePart() {
+    const [all, free] = [this.canvas, this.free].map((part) => part.getBoundingClientRect());
+    if (free.width < MIN_FREE || free.height < MIN_FREE) return { left: 0, top: 0, width: all.width, height: all.height };
+    return { left: free.left - all.left, top: free.top - all.top, width: free.width, height: free.height };
   }
 
   /**
@@ -141,7 +223,6 @@ export class Scene {
       this.translucent(context, 0.42, density, (on) => drawSolids(on, this.camera, room.shapes, colours.room.shape));
     }
     this.drawObstacles(context, room, arm, false, colours, density);
-    drawPairs(context, this.camera, room.pairs, colours);
   }
 
   /**
@@ -167,6 +248,14 @@ export class Scene {
     context.drawImage(layer, 0, 0, this.camera.width, this.camera.height);
     context.globalAlpha = 1;
   }
+}
+
+/** @type {(canvas: HTMLCanvasElement, width: number, height: number, density: number) => void} */
+function resize(canvas, width, height, density) {
+  const [across, down] = [Math.round(width * density), Math.round(height * density)];
+  if (canvas.width === across && canvas.height === down) return;
+  canvas.width = across;
+  canvas.height = down;
 }
 
 /** @type {(hex: string) => import('./shading.js').Rgb} */

@@ -1,8 +1,10 @@
 // The setup of a run: a scenario and the user's changes to it. The fragment of the page's address can store a setup.
 
+import { addFigureOfEight } from './figure_of_eight.js';
 import { inTaskFrame, positionDirections } from './goals.js';
 import { setObstacles } from './obstacles.js';
 import { addPlanes } from './planes.js';
+import { fromText, toText } from './shared_state.js';
 
 /**
  * @typedef {import('./types.js').Scenario} Scenario
@@ -23,6 +25,7 @@ import { addPlanes } from './planes.js';
  * @property {Record<string, number[]>} gains changed gains, by `task.gain`
  * @property {Record<string, number>} stiffness changed stiffness of contacts, by index, N/m
  * @property {string} robot robot of the playground; empty in the other scenarios
+ * @property {'' | 'eight'} motion of the target of the playground
  * @property {number[]} order order of the tasks as indices, highest priority first; empty: as in the scenario
  * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
  * @property {import('./types.js').RoomObstacle[] | null} obstacles of the controller; null: as in the scenario
@@ -69,11 +72,21 @@ export function defaults(scenario) {
     gains: {},
     stiffness: {},
     robot: scenario.name === PLAYGROUND ? scenario.controller.robot : '',
+    motion: '',
     order: [],
     planes: [],
     obstacles: null,
     targets: {},
   };
+}
+
+/** Returns the setup of a newly chosen scenario. It keeps what the user chose, but not what the scenario before chose. @type {(scenario: Scenario, before: Setup, old: Scenario | null) => Setup} */
+export function forScenario(scenario, before, old) {
+  const setup = defaults(scenario);
+  const { ghost, speed } = before;
+  const method = old && before.method !== defaults(old).method ? before.method : setup.method;
+  const solver = old && before.solver !== defaults(old).solver ? before.solver : setup.solver;
+  return { ...setup, method, solver, ghost, speed };
 }
 
 /**
@@ -110,6 +123,7 @@ export function applyTo(scenario, setup, start) {
     const contact = changed.contacts?.[Number(index)];
     if (contact) contact.stiffness = stiffness;
   }
+  if (setup.motion === 'eight') addFigureOfEight(changed, start);
   controller.tasks = inOrder(controller.tasks.map(moved(setup.targets)), setup.order);
   setGains(controller, setup);
   addPlanes(changed, setup.planes, start);
@@ -156,8 +170,11 @@ export function toFragment(setup, scenario) {
   for (const key of /** @type {const} */ (['method', 'solver', 'ghost', 'speed'])) {
     if (setup[key] !== unchanged[key]) text.set(key, String(setup[key]));
   }
+  const more = toText(setup);
+  if (more) text.set('state', more);
   if (setup.lag !== null) text.set('lag', String(setup.lag));
   if (setup.robot) text.set('robot', setup.robot);
+  if (setup.motion) text.set('motion', setup.motion);
   if (setup.order.length > 0) text.set('order', setup.order.join(','));
   for (const [key, values] of Object.entries(setup.gains)) text.set(key, values.join(','));
   for (const [index, value] of Object.entries(setup.stiffness)) text.set(`contact.${index}`, String(value));
@@ -180,6 +197,8 @@ export function fromFragment(fragment, scenarios) {
   if (known(METHODS, text.get('method'))) setup.method = /** @type {Method} */ (text.get('method'));
   if (known(METHODS, text.get('ghost'))) setup.ghost = /** @type {Method} */ (text.get('ghost'));
   if (known(SOLVERS, text.get('solver'))) setup.solver = /** @type {Solver} */ (text.get('solver'));
+  if (text.get('motion') === 'eight' && setup.robot) setup.motion = 'eight';
+  Object.assign(setup, fromText(text.get('state')));
   setup.speed = positive(text.get('speed')) ?? setup.speed;
   const lag = Number(text.get('lag') ?? NaN);
   setup.lag = lag >= 0 ? lag : null;

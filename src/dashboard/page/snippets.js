@@ -26,3 +26,12 @@ with urllib.request.urlopen(request) as response:
 print(answer["joint_velocity"])
 `;
 }
+
+/** @type {(controller: StepRequest['controller']) => string} commands that start the ROS 2 node with the controller that is shown */
+export function asRos2(controller) {
+  return `cat > controller.json <<'END'
+${JSON.stringify(controller)}
+END
+python3 -m revprio_ros.controller --ros-args -p controller:=controller.json -p url:=${location.origin}
+`;
+}

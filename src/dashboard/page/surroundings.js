@@ -26,14 +26,22 @@ export function floor(context, camera, colours) {
     segment(context, camera, [at, -long, 0], [at, long, 0]);
     segment(context, camera, [-long, at, 0], [long, at, 0]);
   }
+  axes(context, camera, colours, true);
+}
+
+/** Length of the axes of the base, m. */
+export const AXIS = 0.22;
+
+/** Draws the axes of the base, or their letters alone. @type {(context: CanvasRenderingContext2D, camera: Camera, colours: Palette, withLines: boolean) => void} */
+export function axes(context, camera, colours, withLines) {
   context.font = '600 11px system-ui, sans-serif';
   context.textAlign = 'center';
   context.textBaseline = 'middle';
   for (let axis = 0; axis < 3; axis += 1) {
-    const tip = scale(axisOf(axis), 0.22);
+    const tip = scale(axisOf(axis), AXIS);
     context.strokeStyle = colours.axes[axis];
     context.lineWidth = 2;
-    segment(context, camera, [0, 0, 0], tip);
+    if (withLines) segment(context, camera, [0, 0, 0], tip);
     const label = camera.project(scale(tip, 1.18));
     context.fillStyle = colours.axes[axis];
     context.fillText('xyz'[axis], label.x, label.y);
@@ -43,7 +51,7 @@ export function floor(context, camera, colours) {
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, contact: Contact, world: World, colours: Palette) => void} */
 export function wall(context, camera, contact, world, colours) {
   const [u, v] = perpendiculars(contact.inwards);
-  const { center } = facing(contact, world);
+  const center = wallCenter(contact, world);
   /** @type {(s: number, t: number) => Vec3} */
   const place = (s, t) => add(center, add(scale(u, s * WALL_HALF_WIDTH), scale(v, t * WALL_HALF_WIDTH)));
   const corners = [place(-1, -1), place(1, -1), place(1, 1), place(-1, 1)].map((corner) => camera.project(corner));
@@ -103,9 +111,9 @@ function segment(context, camera, a, b) {
   context.stroke();
 }
 
-/** Returns the centre of the drawn part of a wall: a plane has no centre, so the part next to the tool is drawn. @type {(contact: Contact, world: World) => {center: Vec3}} */
-function facing({ at, inwards, isVirtual }, { arm }) {
-  if (!isVirtual || !arm) return { center: at };
+/** Returns the centre of the drawn part of a wall: a plane has no centre, so the part next to the tool is drawn. @type {(contact: Contact, world: World) => Vec3} */
+export function wallCenter({ at, inwards, isVirtual }, { arm }) {
+  if (!isVirtual || !arm) return at;
   const tool = vec(arm.tool.position);
-  return { center: add(tool, scale(inwards, dot(sub(at, tool), inwards))) };
+  return add(tool, scale(inwards, dot(sub(at, tool), inwards)));
 }

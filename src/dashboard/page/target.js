@@ -3,7 +3,7 @@
 import { vec } from './arm.js';
 import { add, dot, scale, sub } from './geometry.js';
 import { inTaskFrame, positionDirections, targetPose } from './goals.js';
-import { shownController } from './view.js';
+import { shownController, shownSample } from './view.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -29,8 +29,9 @@ export function handle(runControl) {
   if (!task || !start || watch) return null;
   const directions = positionDirections(task);
   if (dragged?.task === task.name && cursor === null) return { task, pose: dragged.pose, directions };
-  const time = (cursor ?? history.now) - history.offset;
-  const pose = run && history.measures && history.length > 0 ? history.measures.target(task, time) : targetPose(task, start, 0);
+  const { from = 0, measures = null } = history.segmentAt(cursor) ?? {};
+  const time = (shownSample(runControl)?.time_s ?? 0) - from;
+  const pose = run && measures && history.length > 0 ? measures.target(task, time) : targetPose(task, start, 0);
   return { task, pose, directions };
 }
 

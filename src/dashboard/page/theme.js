@@ -17,6 +17,7 @@
  * @property {string} accent
  * @property {Record<'closed_form' | 'active_set' | 'qp', string>} paths
  * @property {Record<import('./arm.js').Material, import('./shading.js').Rgb>} materials
+ * @property {import('./webgl.js').Look} look light and background of the scene with WebGL
  * @property {{shape: import('./shading.js').Rgb, obstacle: import('./shading.js').Rgb} & Record<import('./room.js').Level, string>} room shapes of links, obstacles, and lines between pairs
  */
 
@@ -37,6 +38,10 @@ const LIGHT = {
   accent: '#0072b2',
   paths: { closed_form: '#009e73', active_set: '#e69f00', qp: '#d55e00' },
   materials: { link: [226, 231, 238], joint: [70, 86, 104], limit: [226, 98, 12], tool: [0, 122, 190] },
+  look: {
+    above: [0.965, 0.975, 0.985], below: [0.845, 0.875, 0.91], line: [0.42, 0.5, 0.58], sky: [0.44, 0.47, 0.52], ground: [0.2, 0.205, 0.22],
+    lamp: [0.86, 0.83, 0.78], darkness: 0.3,
+  },
   room: { shape: [0, 140, 190], obstacle: [150, 96, 52], clear: '#00704f', near: '#8a5a00', below: '#c01030' },
 };
 
@@ -57,6 +62,10 @@ const DARK = {
   accent: '#56b4e9',
   paths: { closed_form: '#2fc79b', active_set: '#e69f00', qp: '#ff7f2a' },
   materials: { link: [196, 206, 218], joint: [84, 102, 124], limit: [255, 127, 42], tool: [86, 180, 233] },
+  look: {
+    above: [0.105, 0.145, 0.195], below: [0.035, 0.05, 0.07], line: [0.4, 0.5, 0.6], sky: [0.3, 0.34, 0.4], ground: [0.07, 0.08, 0.095],
+    lamp: [0.95, 0.93, 0.9], darkness: 0.75,
+  },
   room: { shape: [86, 180, 233], obstacle: [222, 160, 104], clear: '#2fc79b', near: '#ffc233', below: '#ff5a6e' },
 };
 

@@ -27,17 +27,31 @@ import { jointLabels } from './labels.js';
  * @property {number[]} velocity q̇, rad/s or m/s
  * @property {string[]} tasks names with their priorities, in the order of the columns of the history
  * @property {string[]} residualUnits in the same order
+ * @property {number[]} order column of the history of each task
  * @property {number | null} threshold δ of the damping
+ * @property {number | undefined} sigma smallest singular value of the shown sample
  * @property {number} period T, s
  * @property {PathCounts | null} paths
  * @property {TimeHistogram | null} solveTime
  * @property {boolean} closeUp whether the force axis is zoomed to the desired force
  */
 
+/** Threshold of the damping of a controller that states none. */
+const DEFAULT_THRESHOLD = 0.15;
+
 /** Returns the sample that the page shows. @type {(runControl: RunControl) => LiveSample | undefined} */
 export function shownSample({ history, cursor }) {
   if (cursor === null) return history.last;
   return history.samples[Math.max(0, history.indexAt(cursor))];
+}
+
+/** Returns the smallest singular value at the shown time, or at the start. @type {(runControl: RunControl) => number | undefined} */
+function shownSigma({ history, cursor, kinematics, scenario, watch }) {
+  const index = cursor === null ? history.length - 1 : Math.max(0, history.indexAt(cursor));
+  if (history.length > 0) return history.columns.sigma[index];
+  if (watch || !kinematics || !scenario || kinematics.robot !== scenario.controller.robot) return undefined;
+  const sigma = kinematics.smallestSingularValue(scenario.controller, scenario.start_joint_position);
+  return Number.isFinite(sigma) ? sigma : undefined;
 }
 
 /** Returns the posture that the page shows. @type {(runControl: RunControl) => ArmView | null} */
@@ -49,8 +63,8 @@ export function shownArm(runControl) {
 }
 
 /** Returns the controller of the run, of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
-export function shownController({ watch, running, applied }) {
-  return watch?.session.controller ?? (running ?? applied)?.controller;
+export function shownController({ watch, running, applied, pastScenario }) {
+  return watch?.session.controller ?? (pastScenario ?? running ?? applied)?.controller;
 }
 
 /** @type {(runControl: RunControl) => View} */
@@ -60,7 +74,7 @@ export function view(runControl) {
   const sample = shownSample(runControl);
   const frame = run?.frame;
   const scenario = running ?? applied;
-  const order = history.order;
+  const order = history.segmentAt(cursor)?.order ?? history.order;
   /** @type {(values: string[]) => string[]} */
   const byColumn = (values) => {
     /** @type {string[]} */
@@ -82,7 +96,9 @@ export function view(runControl) {
     velocity: sample?.joint_velocity ?? [],
     tasks: byColumn(controller?.tasks.map(({ name }, k) => `${k + 1}. ${name}`) ?? []),
     residualUnits: byColumn(controller?.tasks.map(residualUnit) ?? []),
-    threshold: controller?.damping?.threshold ?? null,
+    order,
+    threshold: controller?.damping === null ? null : (controller?.damping?.threshold ?? DEFAULT_THRESHOLD),
+    sigma: shownSigma(runControl),
     period: controller?.period_s ?? 0.001,
     paths: watch?.paths ?? frame?.paths ?? null,
     solveTime: watch?.solveTime ?? frame?.solve_time ?? null,

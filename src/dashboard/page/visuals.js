@@ -20,8 +20,9 @@ import { compose, linkFrames } from './urdf.js';
  * @property {{shape: Shape, parts: Part[]}[]} shapes
  */
 
-/** Number of triangles of all shapes that a canvas draws fast enough. */
-const MAX_TRIANGLES = 6000;
+/** Number of triangles of all shapes that are kept, and that a canvas draws fast enough. */
+const MAX_TRIANGLES = 60_000;
+const CANVAS_TRIANGLES = 6000;
 
 /** Smallest value of red, green and blue that is drawn. */
 const DARKEST = 34;
@@ -106,38 +107,62 @@ export function areDrawable(visuals) {
 }
 
 /**
- * Draws the shapes, far triangles first.
- * @param {CanvasRenderingContext2D} context
- * @param {Camera} camera
+ * Returns the parts of the shapes with their frames and colours.
  * @param {Visuals} visuals
  * @param {Robot} robot
  * @param {number[]} position q, rad or m
  * @param {boolean[]} atLimit per joint
  * @param {import('./theme.js').Palette} colours
+ * @returns {{triangles: import('./mesh.js').Triangles, frame: import('./urdf.js').Placement, rgb: import('./shading.js').Rgb}[]}
  */
-export function drawVisuals(context, camera, visuals, robot, position, atLimit, colours) {
+export function placedParts(visuals, robot, position, atLimit, colours) {
   const names = robot.joints.map(({ name }) => name);
   const frames = linkFrames(visuals.urdf, new Map(names.map((name, i) => [name, position[i] ?? 0])));
   const limited = new Set(visuals.urdf.joints.filter(({ name }) => atLimit[names.indexOf(name)]).map(({ child }) => child));
+  return visuals.shapes.flatMap(({ shape, parts }) => {
+    const link = frames.get(shape.link);
+    if (!link) return [];
+    const frame = compose(link, shape.origin);
+    return parts.map(({ triangles, colour }) => ({
+      triangles, frame, rgb: limited.has(shape.link) ? colours.materials.limit : (colour ? visible(colour) : colours.materials.link),
+    }));
+  });
+}
+
+/** Triangles that a canvas draws fast enough, by the full ones. @type {WeakMap<import('./mesh.js').Triangles, import('./mesh.js').Triangles>} */
+const coarse = new WeakMap();
+
+/** Returns fewer triangles, so that all parts together have about `CANVAS_TRIANGLES`. @type {(triangles: import('./mesh.js').Triangles, total: number) => import('./mesh.js').Triangles} */
+function fewer(triangles, total) {
+  const known = coarse.get(triangles);
+  if (known) return known;
+  const most = Math.max(MIN_TRIANGLES, Math.floor((CANVAS_TRIANGLES * triangles.length) / total));
+  const result = triangles.length / 9 > most ? reduced(triangles, most) : triangles;
+  coarse.set(triangles, result);
+  return result;
+}
+
+/**
+ * Draws the shapes on a canvas, far triangles first.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {{triangles: import('./mesh.js').Triangles, frame: import('./urdf.js').Placement, rgb: import('./shading.js').Rgb}[]} parts
+ */
+export function drawParts(context, camera, parts) {
   const light = lightOf(camera);
+  const total = parts.reduce((sum, { triangles }) => sum + triangles.length, 0);
   /** @type {{depth: number, fill: string, corners: {x: number, y: number}[]}[]} */
   const faces = [];
-  for (const { shape, parts } of visuals.shapes) {
-    const frame = frames.get(shape.link);
-    if (!frame) continue;
-    const { position: origin, orientation } = compose(frame, shape.origin);
-    const isLimited = limited.has(shape.link);
-    for (const { triangles, colour } of parts) {
-      const rgb = isLimited ? colours.materials.limit : (colour ? visible(colour) : colours.materials.link);
-      for (let i = 0; i < triangles.length; i += 9) {
-        const corner = (/** @type {number} */ k) => add(origin, rotate(orientation, vec([triangles[i + k], triangles[i + k + 1], triangles[i + k + 2]])));
-        const [a, b, c] = [corner(0), corner(3), corner(6)];
-        const normal = unit(cross(sub(b, a), sub(c, a)));
-        const facing = dot(sub(camera.eye, a), normal) < 0 ? scale(normal, -1) : normal;
-        const spots = [camera.project(a), camera.project(b), camera.project(c)];
-        const depth = spots[0].depth + spots[1].depth + spots[2].depth;
-        faces.push({ depth, fill: shade(rgb, brightness(facing, light)), corners: spots });
-      }
+  for (const { triangles: all, frame: { position: origin, orientation }, rgb } of parts) {
+    const triangles = fewer(all, total);
+    for (let i = 0; i < triangles.length; i += 9) {
+      const corner = (/** @type {number} */ k) => add(origin, rotate(orientation, vec([triangles[i + k], triangles[i + k + 1], triangles[i + k + 2]])));
+      const [a, b, c] = [corner(0), corner(3), corner(6)];
+      const normal = unit(cross(sub(b, a), sub(c, a)));
+      const facing = dot(sub(camera.eye, a), normal) < 0 ? scale(normal, -1) : normal;
+      const spots = [camera.project(a), camera.project(b), camera.project(c)];
+      const depth = spots[0].depth + spots[1].depth + spots[2].depth;
+      faces.push({ depth, fill: shade(rgb, brightness(facing, light)), corners: spots });
     }
   }
   faces.sort((one, other) => other.depth - one.depth);

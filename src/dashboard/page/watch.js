@@ -1,6 +1,7 @@
 // Watches a session that another client uses. The page cannot change the session.
 
 import { History } from './history.js';
+import { Kinematics } from './kinematics.js';
 import { Measures } from './measures.js';
 import { events, get } from './transport.js';
 
@@ -22,11 +23,13 @@ export class Watch {
   /**
    * @param {SessionStatus} session
    * @param {Robot} robot
+   * @param {Kinematics} kinematics
    */
-  constructor(session, robot) {
+  constructor(session, robot, kinematics) {
     this.session = session;
     this.robot = robot;
-    this.history = new History(new Measures(session.controller, null));
+    this.kinematics = kinematics;
+    this.history = new History(new Measures(session.controller, null, kinematics));
     /** @type {WatchedStep | null} */
     this.step = null;
     /** Number of watched steps by solver path. */
@@ -39,7 +42,9 @@ export class Watch {
   static async open(id) {
     /** @type {SessionStatus} */
     const session = await get(`/v1/controllers/${id}`);
-    return new Watch(session, await get(`/v1/robots/${session.controller.robot}`));
+    /** @type {Robot} */
+    const robot = await get(`/v1/robots/${session.controller.robot}`);
+    return new Watch(session, robot, await Kinematics.learn(robot));
   }
 
   /**

@@ -3,9 +3,13 @@
 import { axisOf, vec } from './arm.js';
 import { add, dot, scale, sub, unit } from './geometry.js';
 import { hasForces } from './goals.js';
+import { positionAt, timeToShow } from './playback.js';
+import { jointLabels } from './labels.js';
 import { room } from './room.js';
+import { state } from './state.js';
 import { handle } from './target.js';
-import { shownArm, shownSample } from './view.js';
+import { signsOf } from './signs.js';
+import { shownArm, shownController, shownSample } from './view.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -15,36 +19,62 @@ import { shownArm, shownSample } from './view.js';
  * @typedef {import('./types.js').Vec3} Vec3
  */
 
-/** @type {(runControl: RunControl) => World} */
-export function world(runControl) {
+/** Returns the data of the scene; `now`: real time for even motion between samples, s; null: at the samples. @type {(runControl: RunControl, now?: number | null) => World} */
+export function world(runControl, now = null) {
   const { history, ghost, cursor, watch, visuals, robot } = runControl;
-  const arm = shownArm(runControl);
+  const kinematics = runControl.kinematics?.robot === robot?.name ? runControl.kinematics : null;
+  const position = shownPosition(runControl, now);
+  const known = shownArm(runControl);
+  const arm = known && kinematics ? kinematics.armAt(known, position) : known;
   const sample = shownSample(runControl);
-  const scenario = watch ? null : runControl.applied;
+  const scenario = watch ? null : (runControl.pastScenario ?? runControl.applied);
   const start = vec(history.start?.position ?? runControl.preview?.tool.position ?? [0, 0, 0]);
   const tool = vec(arm?.tool.position ?? [0, 0, 0]);
   const distance = sample?.wall_distance_m ?? null;
   const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
   const ghostArm = cursor === null ? ghost?.frame?.arm : ghost?.history.armAt(cursor);
+  const goal = handle(runControl);
+  const contacts = [
+    ...(scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance)),
+    ...planes(runControl, sample?.active_inequalities ?? []),
+  ];
+  const about = { robot, labels: jointLabels(robot?.joints.map(({ name }) => name) ?? []), controller: shownController(runControl) };
   return {
     arm,
+    signs: kinematics ? signsOf(runControl, about, kinematics, position, contacts, goal) : null,
     atLimit: (arm?.joints ?? []).map((_, joint) => limited.includes(joint)),
     history,
     until: cursor,
-    contacts: [
-      ...(scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance)),
-      ...planes(runControl, sample?.active_inequalities ?? []),
-    ],
+    contacts,
     start,
     force: vec(sample?.force ?? [0, 0, 0]),
     target: sample?.target_force ?? [null, null, null],
     push: vec(cursor === null ? (runControl.run?.frame?.external_force ?? [0, 0, 0]) : [0, 0, 0]),
-    ghost: ghost && ghostArm ? { arm: ghostArm, history: ghost.history } : null,
-    goal: handle(runControl),
+    ghost: ghost && ghostArm ? { arm: ghostArm, history: ghost.history, position: ghostPosition(runControl, now) } : null,
+    goal,
     room: room(runControl),
     visuals: robot && visuals.get(robot.name) || null,
-    position: sample?.joint_position ?? scenario?.start_joint_position ?? [],
+    position,
+    kinematics,
+    moves: Boolean(runControl.setup?.motion) && !watch,
   };
+}
+
+/** Returns the shown posture, rad or m. @type {(runControl: RunControl, now: number | null) => number[]} */
+function shownPosition(runControl, now) {
+  const { history, watch, applied, cursor } = runControl;
+  const isEven = now !== null && cursor === null && !watch && state.value.phase === 'running';
+  const even = isEven ? positionAt(history, timeToShow(history, runControl.setup?.speed ?? 1, now)) : null;
+  return even ?? shownSample(runControl)?.joint_position ?? (watch ? [] : (applied?.start_joint_position ?? []));
+}
+
+/** Returns the shown posture of the ghost, rad or m. @type {(runControl: RunControl, now: number | null) => number[]} */
+function ghostPosition({ ghost, cursor, setup }, now) {
+  if (!ghost) return [];
+  const { history } = ghost;
+  if (cursor !== null) return history.samples[Math.max(0, history.indexAt(cursor))]?.joint_position ?? [];
+  const isEven = now !== null && state.value.phase === 'running';
+  return (isEven ? positionAt(history, timeToShow(history, setup?.speed ?? 1, now)) : history.last?.joint_position) ?? [];
 }
 
 /** Returns whether the page shows forces. @type {(runControl: RunControl) => boolean} */
@@ -54,8 +84,8 @@ export function showsForces({ watch, applied }) {
 }
 
 /** Returns the planes that the controller must not pass. @type {(runControl: RunControl, active: string[]) => Contact[]} */
-function planes({ watch, applied }, active) {
-  const controller = watch?.session.controller ?? applied?.controller;
+function planes({ watch, applied, pastScenario }, active) {
+  const controller = watch?.session.controller ?? (pastScenario ?? applied)?.controller;
   return (controller?.inequalities ?? []).flatMap((inequality) => {
     if (inequality.kind !== 'plane') return [];
     const inwards = unit(vec(inequality.normal));

@@ -1,0 +1,178 @@
+// Tests of the past and of what is shared: earlier targets and planes, replay, films, links, commands; and of the sentence.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, launch, number, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch();
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+
+/** Opens a setup; afterwards the page must have had no errors. */
+async function withPage(fragment, body, context = {}) {
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#${fragment}`, context);
+  try {
+    await waitForState(page, 'connection', 'ready');
+    await body(page);
+    assert.deepEqual(pageErrors, []);
+  } finally {
+    await page.goto('about:blank');
+    await close();
+  }
+}
+
+const clock = async (page) => number(page, '#clock');
+const clipboard = { permissions: ['clipboard-read', 'clipboard-write'] };
+
+test('an earlier time has its own target, tasks and numbers', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 0.8);
+  await page.focus('#scene');
+  for (let i = 0; i < 25; i += 1) await page.keyboard.press('Shift+ArrowUp');
+  await page.locator('#tasks li').nth(2).dragTo(page.locator('#tasks li').nth(0));
+  await waitForText(page, '#tasks', /1\. posture.*2\. position/);
+  const changed = await clock(page);
+  await waitForClock(page, changed + 0.6);
+  await page.click('#end');
+  await waitForState(page, 'phase', 'finished');
+  await waitForText(page, '#force-target', /posture|position/);
+  const late = await page.textContent('#readouts div:first-child dd');
+  assert.ok(Number.parseFloat(late) > 20, `the posture holds the tool ${late} from its target`);
+  await page.fill('#time', '0.4');
+  await waitForText(page, '#clock', /^0\.[34]\d\d s$/);
+  await waitForText(page, '#readouts', /To the target ?0(\.\d+)? (mm|µm)/);
+  assert.ok(await number(page, '#force-value') < 0.1);
+  await waitForText(page, '[data-plot="pose"] [data-legend]', /1\. position/);
+}));
+
+test('a history knows the scenario of each of its parts', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const names = await page.evaluate(async () => {
+    const { History } = await import('/dashboard/history.js');
+    const history = new History();
+    history.begin({ name: 'first' }, null, []);
+    history.last = { time_s: 2 };
+    history.begin({ name: 'second' }, null, [1, 0]);
+    return [0, 1.9, 2.1, null].map((time) => history.segmentAt(time).scenario.name);
+  });
+  assert.deepEqual(names, ['first', 'first', 'second', 'second']);
+}));
+
+test('the past is replayed, once or round and round', options, () => withPage('scenario=joint_limits', async (page) => {
+  assert.equal(await page.isDisabled('#replay'), true);
+  await page.click('#go');
+  await waitForState(page, 'phase', 'finished');
+  await page.fill('#time', '3.2');
+  await page.click('#replay');
+  await page.waitForFunction(() => Number.parseFloat(document.getElementById('clock').textContent) > 3.4);
+  await page.waitForFunction(() => document.getElementById('live').hidden && document.getElementById('replay').textContent === 'Replay');
+  await page.click('#loop');
+  await page.waitForSelector('#loop[aria-pressed="true"]');
+  await page.fill('#time', '3.6');
+  await page.click('#replay');
+  await page.waitForFunction(() => Number.parseFloat(document.getElementById('clock').textContent) < 1.5);
+  await page.click('#replay');
+  assert.equal(await page.isVisible('#viewing'), true);
+}));
+
+test('the scene is recorded as a WebM film', options, () => withPage('scenario=stiff_wall', async (page) => {
+  await page.click('#record');
+  assert.equal(await page.getAttribute('#record', 'aria-pressed'), 'true');
+  await page.click('#go');
+  await waitForClock(page, 1.5);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.click('#record')]);
+  assert.match(film.suggestedFilename(), /^stiff_wall-.*\.webm$/);
+  const data = readFileSync(await film.path());
+  assert.equal(data.subarray(0, 4).toString('hex'), '1a45dfa3');
+  assert.ok(data.length > 10_000, `${data.length} bytes`);
+}));
+
+test('a link restores planes, moved targets and the view', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#planes-part summary');
+  await page.selectOption('#plane-side', '−z');
+  await page.click('#add-plane');
+  await page.focus('#scene');
+  for (let i = 0; i < 5; i += 1) await page.keyboard.press('Shift+ArrowUp');
+  for (let i = 0; i < 4; i += 1) await page.keyboard.press('ArrowLeft');
+  await page.waitForTimeout(800);
+  const linkOf = async (from) => {
+    await from.click('#copy-link');
+    await from.waitForFunction(() => document.getElementById('share-note').textContent.startsWith('Link'));
+    return from.evaluate(() => navigator.clipboard.readText());
+  };
+  const link = await linkOf(page);
+  assert.match(link, /state=.*plane.*targets.*view=/);
+  const other = await open(browser, link, clipboard);
+  await waitForState(other.page, 'connection', 'ready');
+  await other.page.waitForTimeout(800);
+  assert.match(await other.page.textContent('#planes'), /plane 1/);
+  assert.equal(await linkOf(other.page), link);
+  assert.deepEqual(other.pageErrors, []);
+  await other.close();
+}, clipboard));
+
+test('a link with a broken state opens without it', options, async () => {
+  const broken = encodeURIComponent('{"planes":[{"name":3}],"targets":{"position":{"position":[1,2]}},"obstacles":[{}]}');
+  for (const state of [broken, '%7B', 'null', '%5B%5D']) {
+    await withPage(`scenario=playground&robot=panda&state=${state}&view=1,2,x`, async (page) => {
+      assert.equal(await page.locator('#planes li').count(), 0);
+      assert.equal(await page.isVisible('#notice'), false);
+    });
+  }
+});
+
+test('the controller is copied as commands for ROS 2', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#copy-ros2');
+  await page.waitForFunction(() => document.getElementById('share-note').textContent.startsWith('ROS 2'));
+  const text = await page.evaluate(() => navigator.clipboard.readText());
+  const [, body] = /<<'END'\n(.*)\nEND\n/s.exec(text);
+  assert.equal(JSON.parse(body).robot, 'panda');
+  assert.match(text, /python3 -m revprio_ros\.controller --ros-args -p controller:=controller\.json -p url:=http/);
+}, clipboard));
+
+test('the sentence names each joint once, calls redundancy no conflict, and is not absurd at rest', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  const reasons = await page.evaluate(async () => {
+    const { reason } = await import('/dashboard/reason.js');
+    const { History } = await import('/dashboard/history.js');
+    const robot = await (await fetch('/v1/robots/panda')).json();
+    const labels = robot.joints.map((_, i) => `joint${i + 1}`);
+    const position = { name: 'position', axes: ['x', 'y', 'z'], law: { kind: 'pose', gain: 4 } };
+    const posture = { name: 'posture', law: { kind: 'posture', gain: 1 } };
+    const q = [0, 0, 0, -1.5, 0, 1.8, 0];
+    const of = (tasks, residuals, change) => {
+      const sample = {
+        time_s: 1, joint_position: q, joint_velocity: q.map(() => 0.3), at_lower: [], at_upper: [], active_inequalities: [],
+        residual_norms: residuals.map((rows) => Math.hypot(...rows)), task_residuals: residuals, ...change,
+      };
+      const history = new History();
+      history.columns.time[0] = 1;
+      history.columns.linear0[0] = 0.822;
+      history.columns.angular0[0] = NaN;
+      history.samples[0] = sample;
+      history.length = 1;
+      return reason({ history, sample, controller: { tasks }, robot, labels, order: [], threshold: 0.15, sigma: 0.3 });
+    };
+    return {
+      ordinary: of([position, posture], [[0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
+      twice: of([position, posture], [[0.1, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { at_lower: [3], at_upper: [3] }),
+      rest: of([position, posture], [[7.3, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0) }),
+      conflict: of([position, posture], [[0.2, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
+    };
+  });
+  assert.equal(reasons.ordinary.kind, 'ok');
+  assert.match(reasons.ordinary.text, /^Every task above is achieved; task 2 “posture” gives up 1\.1 rad\/s, since it has the motion that is left\.$/);
+  assert.equal(reasons.twice.text.match(/joint4/gi).length, 1, reasons.twice.text);
+  assert.match(reasons.rest.text, /task 1 “position” stays 822 mm from its target\.$/);
+  assert.doesNotMatch(reasons.rest.text, /m\/s/);
+  assert.equal(reasons.conflict.kind, 'limited');
+}));

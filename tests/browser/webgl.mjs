@@ -1,0 +1,147 @@
+// Tests of the scene with WebGL 2, on a software renderer: shapes of arms, limits, paths, and the choice of the renderer.
+
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, findInScene, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch({ webgl: true });
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+
+/** Opens the page in a small window: the software renderer is slow. Afterwards the page must have had no errors. */
+async function withPage(address, body, context = {}) {
+  const { page, pageErrors, close } = await open(browser, `${service.url}/${address}`, { viewport: { width: 1000, height: 700 }, ...context });
+  try {
+    await waitForState(page, 'connection', 'ready');
+    await body(page);
+    assert.deepEqual(pageErrors, []);
+  } finally {
+    await page.goto('about:blank');
+    await close();
+  }
+}
+
+/** Returns what part of the free scene has about one of some colours, as the screen shows it. */
+async function share(page, colours, reach = 26) {
+  const clip = await page.locator('#free').boundingBox();
+  const picture = (await page.screenshot({ clip })).toString('base64');
+  return page.evaluate(async ([picture, colours, reach]) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${picture}`;
+    await image.decode();
+    const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      count += Number(colours.some((colour) => colour.every((part, k) => Math.abs(data[i + k] - part) < reach)));
+    }
+    return count / (data.length / 4);
+  }, [picture, colours, reach]);
+}
+
+test('the renderer is chosen by the address, and the canvas is used without a graphics card', options, async () => {
+  for (const [query, renderer] of [['?renderer=webgl', 'webgl'], ['?renderer=canvas', 'canvas'], ['', 'canvas']]) {
+    await withPage(`${query}#scenario=playground&robot=panda`, async (page) => {
+      assert.equal(await page.getAttribute('#scene', 'data-renderer'), renderer, query);
+      assert.equal(await page.isVisible('#solid'), renderer === 'webgl', query);
+    });
+  }
+});
+
+test('every built-in robot has a shape with light and shadow, without errors of WebGL', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  const robots = await page.locator('#robot option').allTextContents();
+  await page.evaluate(() => { document.getElementById('setup').open = true; });
+  for (const robot of robots) {
+    await page.selectOption('#robot', robot);
+    await page.waitForFunction((name) => document.getElementById('description').textContent.startsWith(name), robot);
+    await page.waitForTimeout(900);
+    const shapes = await page.evaluate(async (name) => {
+      const { Kinematics } = await import('/dashboard/kinematics.js');
+      const { modelOf } = await import('/dashboard/any_model.js');
+      const parts = modelOf(await Kinematics.learn(await (await fetch(`/v1/robots/${name}`)).json()));
+      const numbers = parts.flatMap(({ mesh }) => [...mesh.places, ...mesh.normals]);
+      const lengths = parts.flatMap(({ mesh }) => Array.from({ length: mesh.normals.length / 3 }, (_, i) => Math.hypot(...mesh.normals.subarray(3 * i, 3 * i + 3))));
+      return { finite: numbers.every(Number.isFinite), triangles: lengths.length / 3, unit: lengths.every((length) => Math.abs(length - 1) < 1e-3) };
+    }, robot);
+    assert.ok(shapes.finite && shapes.unit, `${robot}: normals of length 1`);
+    assert.ok(shapes.triangles > 1000 && shapes.triangles < 60_000, `${robot}: ${shapes.triangles} triangles`);
+  }
+  const error = await page.evaluate(() => document.getElementById('solid').getContext('webgl2').getError());
+  assert.equal(error, 0);
+}));
+
+test('a white arm is in the picture, its joint at a limit is orange, and arcs name the limit', options, async () => {
+  await withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+    await page.waitForTimeout(1500);
+    const [light, dark] = [await share(page, [[225, 227, 230], [200, 203, 206], [180, 183, 188]], 12), await share(page, [[40, 45, 52]], 30)];
+    assert.ok(light > 0.02, `white ${light}`);
+    assert.ok(dark > 0.0005, `rings ${dark}`);
+  });
+  await withPage('?renderer=webgl#scenario=joint_limits', async (page) => {
+    const before = await share(page, [[226, 98, 12]], 40);
+    await page.click('#go');
+    await waitForState(page, 'phase', 'finished');
+    await page.fill('#time', '1.2');
+    await page.waitForTimeout(1200);
+    const after = await share(page, [[226, 98, 12]], 40);
+    assert.ok(after > before + 0.001, `orange ${before}, then ${after}`);
+  });
+});
+
+test('the camera goes on turning after a quick movement and comes to rest, unless motion is reduced', options, async () => {
+  for (const reducedMotion of ['no-preference', 'reduce']) {
+    await withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+      const turned = await page.evaluate(async () => {
+        const [{ Orbit }, { Camera }] = await Promise.all(['orbit', 'geometry'].map((name) => import(`/dashboard/${name}.js`)));
+        const camera = new Camera();
+        const orbit = new Orbit(camera);
+        orbit.grab();
+        for (let i = 1; i < 6; i += 1) orbit.move(12, 0, 16 * i);
+        orbit.release(84);
+        const released = camera.azimuth;
+        for (let i = 0; i < 200; i += 1) orbit.glide(0.016);
+        return { angle: Math.abs(camera.azimuth - released), isMoving: orbit.isMoving };
+      });
+      assert.equal(turned.isMoving, false);
+      if (reducedMotion === 'reduce') assert.equal(turned.angle, 0);
+      else assert.ok(turned.angle > 0.2, `${turned.angle} rad`);
+    }, { reducedMotion });
+  }
+});
+
+test('the page opens with a Panda that moves; a hand invites to drag the target until it is dragged', options, () => withPage('?renderer=webgl', async (page) => {
+  await waitForState(page, 'phase', 'running');
+  await waitForClock(page, 2);
+  assert.equal(await page.inputValue('#robot'), 'panda');
+  assert.equal(await page.inputValue('#motion'), 'eight');
+  await page.waitForSelector('#invite:not([hidden])');
+  await page.click('#go');
+  await waitForState(page, 'phase', 'paused');
+  await page.waitForTimeout(500);
+  const target = await findInScene(page, 'movable');
+  await page.mouse.down();
+  await page.mouse.move(target.x - 40, target.y + 10, { steps: 6 });
+  await page.mouse.up();
+  await page.click('#go');
+  await waitForState(page, 'phase', 'running');
+  await page.waitForTimeout(500);
+  assert.equal(await page.isVisible('#invite'), false);
+}));
+
+test('with reduced motion nothing moves by itself', options, () => withPage('?renderer=webgl', async (page) => {
+  await page.waitForTimeout(1500);
+  assert.equal(await page.getAttribute('#phase', 'data-phase'), 'none');
+  assert.equal(await page.isVisible('#invite'), false);
+}, { reducedMotion: 'reduce' }));
