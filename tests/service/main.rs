@@ -4,6 +4,7 @@ mod batch;
 mod bounds;
 mod clients;
 mod collisions;
+mod contact;
 mod examples;
 mod hard_problems;
 mod harness;

@@ -7,6 +7,7 @@
 mod arm;
 mod checks;
 mod collisions;
+mod contact;
 mod control;
 mod controller;
 mod environment;

@@ -6,6 +6,7 @@
 mod bounds;
 mod certificate;
 mod collision;
+mod contact;
 mod controller;
 mod defaults;
 mod drive;
@@ -38,6 +39,7 @@ pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
+pub use contact::{ContactFault, ContactMemory, ContactReport, ContactState};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{

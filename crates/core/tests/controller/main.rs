@@ -9,6 +9,7 @@ mod causes;
 mod changing_room;
 mod collisions;
 mod constraints;
+mod contact;
 mod drives;
 mod fast_targets;
 mod frames;

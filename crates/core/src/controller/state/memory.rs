@@ -10,6 +10,7 @@ use super::stall::Stall;
 use super::virtual_arm::VirtualArm;
 use crate::arm_state::ArmAt;
 use crate::controller::config::{ControllerConfig, TaskConfig};
+use crate::law::ContactAxis;
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
@@ -50,6 +51,8 @@ pub struct Memory {
     pub rest: Option<RestState>,
     /// The virtual arm; `None`: no law looks ahead, or the next step starts from the arm.
     pub virtual_arm: Option<VirtualArm>,
+    /// What the contact law remembers, per axis, in the order of the tasks; empty: the next step starts.
+    pub contacts: Vec<ContactAxis>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
 }
@@ -76,6 +79,9 @@ pub enum MemoryError {
     /// The virtual arm does not fit the robot.
     #[error("the memory's virtual arm does not fit the robot; send back the memory of this controller's last answer")]
     VirtualArm,
+    /// The contacts do not fit the tasks.
+    #[error("the memory's contacts do not fit the tasks; send back the memory of this controller's last answer")]
+    Contacts,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -120,6 +126,7 @@ impl Memory {
             stalls: Vec::new(),
             rest: None,
             virtual_arm: None,
+            contacts: Vec::new(),
             in_transition: false,
         }
     }
@@ -163,6 +170,10 @@ impl Memory {
         }
         if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n, target_rows(config))) {
             return Err(MemoryError::VirtualArm);
+        }
+        let count = self.contacts.len();
+        if (count != 0 && count != config.contact_axes()) || !self.contacts.iter().all(ContactAxis::is_valid) {
+            return Err(MemoryError::Contacts);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
