@@ -6,6 +6,7 @@ mod channels;
 mod chunks;
 mod clients;
 mod collisions;
+mod contact;
 mod examples;
 mod hard_problems;
 mod harness;

@@ -9,6 +9,7 @@ mod channels;
 mod checks;
 mod chunks;
 mod collisions;
+mod contact;
 mod control;
 mod controller;
 mod environment;

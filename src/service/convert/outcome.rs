@@ -53,6 +53,7 @@ impl Outcome<'_> {
                 requested,
                 achieved,
                 target_force,
+                contact: Vec::new(),
                 target_state: None,
                 target_age_s: None,
                 chunk: None,

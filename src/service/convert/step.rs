@@ -10,6 +10,7 @@ use tokio::time::Instant;
 use super::arm::arm_view;
 use super::checks::{Result, check};
 use super::collisions::{obstacle_states, report_answer};
+use super::contact::contact_answer;
 use super::numbers::{joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
 use super::{channels, chunks, targets, terms, wrenches};
@@ -149,9 +150,10 @@ fn stuck_task(stuck: &StuckTask, controller: &Controller) -> wire::StuckTask {
     }
 }
 
-/// Adds the reports of streamed targets to the outcomes of tasks.
+/// Adds the reports of contacts and of streamed targets to the outcomes of tasks.
 fn tasks_with_targets(mut tasks: Vec<wire::TaskOutcome>, command: &Command) -> Vec<wire::TaskOutcome> {
     for (task, target) in tasks.iter_mut().zip(&command.targets) {
+        task.contact = target.contact.iter().map(contact_answer).collect();
         task.target_state = target.streamed.map(|report| terms::target_state_answer(report.state));
         task.target_age_s = target.streamed.and_then(|report| report.age_s);
         task.chunk = target.streamed.and_then(|report| report.chunk).map(chunks::status);

@@ -115,6 +115,16 @@ fn request_ranges() -> Vec<FieldRange> {
             upper: Items(1, MAX_ROWS),
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
+        wire::Law as wire::Law::Contact {
+            approach_speed: Positive,
+            stiffest: Positive,
+            noise: Positive,
+            bias: NotNegative,
+            sensor_lag_s: NotNegative,
+            max_force: Positive,
+            retreat_speed: Positive,
+            max_acceleration: Positive,
+        }
         wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
         wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
         wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
@@ -184,6 +194,17 @@ fn memory_ranges() -> Vec<FieldRange> {
     field_ranges! {
         wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
         wire::JerkState { acceleration: Items(1, MAX_JOINTS), requested: Items(1, MAX_JOINTS) }
+        wire::ContactMemory {
+            contact_time_s: NotNegative,
+            return_speed: NotNegative,
+            spent_j: NotNegative,
+            hold_time_s: NotNegative,
+            surface_motion: Items(3, 3),
+            stiffness: Items(3, 3),
+            means: Items(2, 2),
+            sums: Items(4, 4),
+            swing: Items(3, 3),
+        }
         wire::RestState { fading_since_s: Between(-MAX_TIME_S, MAX_TIME_S) }
         wire::Progress {
             slow_since_s: Between(-MAX_TIME_S, MAX_TIME_S),

@@ -7,6 +7,7 @@ mod bounds;
 mod certificate;
 mod channel;
 mod collision;
+mod contact;
 mod controller;
 mod defaults;
 mod drive;
@@ -40,6 +41,7 @@ pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
+pub use contact::{ContactFault, ContactMemory, ContactReport, ContactState};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, ChannelInput, ChannelMemory, CollisionReport, Contradiction, Controller, DriveState,
-    JointVector, ObstacleState, Pose, Side, Singularity, SolverReport, StreamedTarget, TargetStream, TaskOutcome,
-    ViolatedInequality, ViolatedLimit, VirtualArm,
+    ActiveInequality, ActiveLimit, ChannelInput, ChannelMemory, CollisionReport, ContactMemory, Contradiction,
+    Controller, DriveState, JointVector, ObstacleState, Pose, Side, Singularity, SolverReport, StreamedTarget,
+    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm,
 };
 use super::{integer, object};
 
@@ -132,6 +132,9 @@ pub struct Memory {
     /// The virtual arm of laws that look ahead; default: none, or the next state starts anew.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub virtual_arm: Option<VirtualArm>,
+    /// What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next state starts anew.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactMemory>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -10,6 +10,7 @@ mod changing_room;
 mod chunks;
 mod collisions;
 mod constraints;
+mod contact;
 mod drives;
 mod fast_targets;
 mod frames;

@@ -1,5 +1,6 @@
 //! The fifth step: the command with its explanation, and the memory for the next period.
 
+mod contacts;
 mod next_memory;
 mod progress;
 mod stalls;
@@ -35,7 +36,11 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams, gains, share, virtual_arm, channels }, allowed): (&ArmState, Requests, &Allowed),
+    (arm, Requests { targets, streams, contacts, gains, share, virtual_arm, channels }, allowed): (
+        &ArmState,
+        Requests,
+        &Allowed,
+    ),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
@@ -67,6 +72,7 @@ pub(super) fn record<'a>(
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
+    contacts::update(&mut memory.contacts, (config, &memory.drive), contacts, &problem.tasks, &command.resolution);
     next_memory::update(memory, config, measurement, (command, requested), streams);
     let observed = Observation {
         config,
@@ -145,6 +151,7 @@ fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
         target.velocity.copy_from(&wished.velocity);
         target.force.clone_from(&wished.force);
         target.streamed = wished.streamed;
+        target.contact.clone_from(&wished.contact);
     }
 }
 

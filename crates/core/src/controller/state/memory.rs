@@ -11,6 +11,7 @@ use super::virtual_arm::VirtualArm;
 use crate::arm_state::ArmAt;
 use crate::channel::ChannelState;
 use crate::controller::config::{ControllerConfig, TaskConfig};
+use crate::law::ContactAxis;
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
@@ -53,6 +54,8 @@ pub struct Memory {
     pub rest: Option<RestState>,
     /// The virtual arm; `None`: no law looks ahead, or the next step starts from the arm.
     pub virtual_arm: Option<VirtualArm>,
+    /// What the contact law remembers, per axis, in the order of the tasks; empty: the next step starts.
+    pub contacts: Vec<ContactAxis>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
     /// The channels of the controller, in their order; empty: no command was given.
@@ -81,6 +84,9 @@ pub enum MemoryError {
     /// The virtual arm does not fit the robot.
     #[error("the memory's virtual arm does not fit the robot; send back the memory of this controller's last answer")]
     VirtualArm,
+    /// The contacts do not fit the tasks.
+    #[error("the memory's contacts do not fit the tasks; send back the memory of this controller's last answer")]
+    Contacts,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -128,6 +134,7 @@ impl Memory {
             stalls: Vec::new(),
             rest: None,
             virtual_arm: None,
+            contacts: Vec::new(),
             in_transition: false,
             channels: Vec::new(),
         }
@@ -176,6 +183,10 @@ impl Memory {
         let count = self.channels.len();
         if (count != 0 && count != config.channels.len()) || !self.channels.iter().all(ChannelState::is_valid) {
             return Err(MemoryError::Channels);
+        }
+        let count = self.contacts.len();
+        if (count != 0 && count != config.contact_axes()) || !self.contacts.iter().all(ContactAxis::is_valid) {
+            return Err(MemoryError::Contacts);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {

@@ -1,0 +1,10 @@
+//! The contact law against walls of unknown stiffness, one axis.
+//!
+//! `cargo run --release -p revprio-core --example contact_grid` measures all conditions; these tests are a part of them.
+
+mod claim;
+mod events;
+mod grid;
+mod laws;
+mod plant;
+mod pressing;
