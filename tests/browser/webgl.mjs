@@ -145,3 +145,38 @@ test('with reduced motion nothing moves by itself', options, () => withPage('?re
   assert.equal(await page.getAttribute('#phase', 'data-phase'), 'none');
   assert.equal(await page.isVisible('#invite'), false);
 }, { reducedMotion: 'reduce' }));
+
+test('the elbow swings while the tool stays, and an arm without spare motion has no ghost', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  const found = await page.evaluate(async () => {
+    const [{ Kinematics }, { swing }] = await Promise.all(['kinematics', 'swing'].map((name) => import(`/dashboard/${name}.js`)));
+    const result = {};
+    for (const [name, q] of [['panda', [0, 0.1, 0, -1.8, 0, 2, 0.3]], ['ur5e', [0.3, -1.2, 1.4, -0.9, 1.2, 0.2]]]) {
+      const robot = await (await fetch(`/v1/robots/${name}`)).json();
+      const kinematics = await Kinematics.learn(robot);
+      const postures = swing(kinematics, robot, q);
+      const tool = (posture) => kinematics.tool(kinematics.frames(posture)).position;
+      const away = Math.max(...postures.map((posture) => Math.hypot(...tool(posture).map((value, i) => value - tool(q)[i]))));
+      const moved = Math.max(...postures.map((posture) => Math.max(...posture.map((value, i) => Math.abs(value - q[i])))));
+      result[name] = { count: postures.length, away, moved };
+    }
+    return result;
+  });
+  assert.ok(found.panda.count > 20 && found.panda.away < 2e-3 && found.panda.moved > 0.2, JSON.stringify(found.panda));
+  assert.equal(found.ur5e.count, 1);
+  await page.click('#swing');
+  await page.waitForTimeout(1500);
+  assert.equal(await page.getAttribute('#swing', 'aria-pressed'), 'true');
+}));
+
+test('the scene is parted between two methods', options, () => withPage('?renderer=webgl#scenario=stiff_wall_singular&ghost=damped_least_squares', async (page) => {
+  assert.equal(await page.isVisible('#wipe'), false);
+  await page.click('#go');
+  await waitForState(page, 'phase', 'finished');
+  await page.waitForSelector('#wipe-field:not([hidden])');
+  const pink = [[181, 120, 160], [150, 70, 110], [120, 60, 90]];
+  const before = await share(page, pink, 24);
+  await page.fill('#wipe', '40');
+  await page.waitForTimeout(1200);
+  const after = await share(page, pink, 24);
+  assert.ok(before > 2 * after, `the ghost is pink in ${before}, then in ${after} of the picture`);
+}));

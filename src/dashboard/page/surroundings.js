@@ -42,6 +42,8 @@ export function axes(context, camera, colours, withLines) {
     context.strokeStyle = colours.axes[axis];
     context.lineWidth = 2;
     if (withLines) segment(context, camera, [0, 0, 0], tip);
+    // With WebGL the arm hides its own axis.
+    if (!withLines && axis === 2) continue;
     const label = camera.project(scale(tip, 1.18));
     context.fillStyle = colours.axes[axis];
     context.fillText('xyz'[axis], label.x, label.y);
