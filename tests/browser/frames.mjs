@@ -82,7 +82,7 @@ for (const renderer of ['webgl', 'canvas']) {
 }
 
 if (Number(minutes) > 0) {
-  const { page } = await open(browser, `${service.url}/?renderer=webgl`);
+  const { page } = await open(browser, `${service.url}/?renderer=webgl`, { viewport: { width: 500, height: 400 } });
   page.setDefaultTimeout(TIMEOUT_MS);
   const tools = await page.context().newCDPSession(page);
   await tools.send('HeapProfiler.enable');

@@ -180,3 +180,34 @@ test('the scene is parted between two methods', options, () => withPage('?render
   const after = await share(page, pink, 24);
   assert.ok(before > 2 * after, `the ghost is pink in ${before}, then in ${after} of the picture`);
 }));
+
+/** A chain of four joints whose links have a length, m. */
+const chainOf = (length) => `<robot name="chain"><link name="l0"/>${[0, 1, 2, 3].map((i) => `<link name="l${i + 1}"/>
+  <joint name="j${i}" type="revolute"><parent link="l${i}"/><child link="l${i + 1}"/><origin xyz="0 0 ${length}"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/>
+  <limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>`).join('')}</robot>`;
+
+test('small and large arms fill the same part of the picture', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  const sizes = await page.evaluate(async (texts) => {
+    const [{ Kinematics }, { Framing }, { Camera }] = await Promise.all(['kinematics', 'framing', 'geometry'].map((name) => import(`/dashboard/${name}.js`)));
+    const post = async (path, body) => (await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+    const found = [];
+    for (const [i, urdf] of texts.entries()) {
+      const robot = await post('/v1/robots', { name: `chain_${i}`, urdf });
+      const kinematics = await Kinematics.learn(robot);
+      const position = [0.3, 0.6, 0.4, 0.8];
+      const frames = kinematics.frames(position);
+      const arm = { joints: frames.map(({ position: origin }) => ({ origin, axis: [0, 0, 1] })), tool: kinematics.tool(frames) };
+      const camera = new Camera();
+      Object.assign(camera, { width: 800, height: 600, free: { left: 100, top: 50, width: 600, height: 500 } });
+      const framing = new Framing(camera);
+      for (let k = 0; k < 60; k += 1) framing.follow({ arm, kinematics, contacts: [], goal: null, ghost: null, room: null }, String(i));
+      camera.update();
+      const spots = [[0, 0, 0], ...arm.joints.map(({ origin }) => origin), arm.tool.position].map((point) => camera.project(point));
+      const extent = (part) => Math.max(...spots.map((spot) => spot[part])) - Math.min(...spots.map((spot) => spot[part]));
+      found.push(Math.hypot(extent('x'), extent('y')));
+    }
+    return found;
+  }, [0.03, 0.3, 3].map(chainOf));
+  assert.ok(Math.min(...sizes) > 200, `${sizes} px`);
+  assert.ok(Math.max(...sizes) < 1.05 * Math.min(...sizes), `${sizes} px`);
+}));

@@ -64,7 +64,7 @@ export class SolidScene {
       ...pathItems(camera, world, colours),
       ...axisItems(camera, colours),
     ];
-    const reach = Math.max(0.2, world.kinematics?.reach ?? 1.2);
+    const reach = camera.size;
     this.redraw = () => this.draw(camera, world, robot, colours);
     this.renderer.draw(camera, items, colours.look, [0, 0, 0.45 * reach], reach);
     if (!isParted || !world.ghost) return;
@@ -159,7 +159,7 @@ function solidItems(camera, solid, colour, opacity) {
 /** @type {(camera: Camera, colours: Palette) => Item[]} */
 function axisItems(camera, colours) {
   return [0, 1, 2].map((axis) => ({
-    mesh: ribbon([[0, 0, 0.001], scale(axisOf(axis), AXIS)], camera, PATH_WIDTH, false), world: transform(BASE), colour: shownOf(colours.axes[axis]), plain: true,
+    mesh: ribbon([[0, 0, 0.001], scale(axisOf(axis), AXIS * camera.size)], camera, PATH_WIDTH, false), world: transform(BASE), colour: shownOf(colours.axes[axis]), plain: true,
   }));
 }
 

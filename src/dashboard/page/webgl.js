@@ -112,7 +112,7 @@ export class Renderer {
     const { gl } = this;
     const size = 4 * reach;
     const world = transform({ position: [0, 0, 0], orientation: IDENTITY }, [size, size, 1]);
-    this.use('floor', { ...look, world, view, shade, eye: camera.eye, cell: reach > 0.6 ? 0.5 : 0.1, reach: size, shadowed: 1 });
+    this.use('floor', { ...look, world, view, shade, eye: camera.eye, cell: reach > 0.6 ? 0.5 : reach > 0.12 ? 0.1 : 0.02, reach: size, shadowed: 1 });
     gl.enable(gl.BLEND);
     gl.depthMask(false);
     this.drawMesh(this.square);
