@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
 import { TIMEOUT_MS, cleanUp, launch, number, open, serve, findInScene, waitForState } from './harness.mjs';
@@ -15,6 +15,17 @@ after(async () => {
 });
 
 const options = { timeout: 2 * TIMEOUT_MS };
+
+test('the program contains every file of the page', options, async () => {
+  const service = await serve();
+  const files = readdirSync('src/dashboard/page').filter((name) => !name.endsWith('.d.ts'));
+  assert.ok(files.length > 60);
+  for (const name of files) {
+    const text = await (await fetch(`${service.url}/dashboard/${name}`)).text();
+    assert.equal(text, readFileSync(`src/dashboard/page/${name}`, 'utf8'), name);
+  }
+  await service.stop();
+});
 
 test('a scenario runs, its force settles at 30 N, and a change of method causes no jump', options, async () => {
   const service = await serve();

@@ -145,3 +145,69 @@ test('with reduced motion nothing moves by itself', options, () => withPage('?re
   assert.equal(await page.getAttribute('#phase', 'data-phase'), 'none');
   assert.equal(await page.isVisible('#invite'), false);
 }, { reducedMotion: 'reduce' }));
+
+test('the elbow swings while the tool stays, and an arm without spare motion has no ghost', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  const found = await page.evaluate(async () => {
+    const [{ Kinematics }, { swing }] = await Promise.all(['kinematics', 'swing'].map((name) => import(`/dashboard/${name}.js`)));
+    const result = {};
+    for (const [name, q] of [['panda', [0, 0.1, 0, -1.8, 0, 2, 0.3]], ['ur5e', [0.3, -1.2, 1.4, -0.9, 1.2, 0.2]]]) {
+      const robot = await (await fetch(`/v1/robots/${name}`)).json();
+      const kinematics = await Kinematics.learn(robot);
+      const postures = swing(kinematics, robot, q);
+      const tool = (posture) => kinematics.tool(kinematics.frames(posture)).position;
+      const away = Math.max(...postures.map((posture) => Math.hypot(...tool(posture).map((value, i) => value - tool(q)[i]))));
+      const moved = Math.max(...postures.map((posture) => Math.max(...posture.map((value, i) => Math.abs(value - q[i])))));
+      result[name] = { count: postures.length, away, moved };
+    }
+    return result;
+  });
+  assert.ok(found.panda.count > 20 && found.panda.away < 2e-3 && found.panda.moved > 0.2, JSON.stringify(found.panda));
+  assert.equal(found.ur5e.count, 1);
+  await page.click('#swing');
+  await page.waitForTimeout(1500);
+  assert.equal(await page.getAttribute('#swing', 'aria-pressed'), 'true');
+}));
+
+test('the scene is parted between two methods', options, () => withPage('?renderer=webgl#scenario=stiff_wall_singular&ghost=damped_least_squares', async (page) => {
+  assert.equal(await page.isVisible('#wipe'), false);
+  await page.click('#go');
+  await waitForState(page, 'phase', 'finished');
+  await page.waitForSelector('#wipe-field:not([hidden])');
+  const pink = [[181, 120, 160], [150, 70, 110], [120, 60, 90]];
+  const before = await share(page, pink, 24);
+  await page.fill('#wipe', '40');
+  await page.waitForTimeout(1200);
+  const after = await share(page, pink, 24);
+  assert.ok(before > 2 * after, `the ghost is pink in ${before}, then in ${after} of the picture`);
+}));
+
+/** A chain of four joints whose links have a length, m. */
+const chainOf = (length) => `<robot name="chain"><link name="l0"/>${[0, 1, 2, 3].map((i) => `<link name="l${i + 1}"/>
+  <joint name="j${i}" type="revolute"><parent link="l${i}"/><child link="l${i + 1}"/><origin xyz="0 0 ${length}"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/>
+  <limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>`).join('')}</robot>`;
+
+test('small and large arms fill the same part of the picture', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  const sizes = await page.evaluate(async (texts) => {
+    const [{ Kinematics }, { Framing }, { Camera }] = await Promise.all(['kinematics', 'framing', 'geometry'].map((name) => import(`/dashboard/${name}.js`)));
+    const post = async (path, body) => (await fetch(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+    const found = [];
+    for (const [i, urdf] of texts.entries()) {
+      const robot = await post('/v1/robots', { name: `chain_${i}`, urdf });
+      const kinematics = await Kinematics.learn(robot);
+      const position = [0.3, 0.6, 0.4, 0.8];
+      const frames = kinematics.frames(position);
+      const arm = { joints: frames.map(({ position: origin }) => ({ origin, axis: [0, 0, 1] })), tool: kinematics.tool(frames) };
+      const camera = new Camera();
+      Object.assign(camera, { width: 800, height: 600, free: { left: 100, top: 50, width: 600, height: 500 } });
+      const framing = new Framing(camera);
+      for (let k = 0; k < 60; k += 1) framing.follow({ arm, kinematics, contacts: [], goal: null, ghost: null, room: null }, String(i));
+      camera.update();
+      const spots = [[0, 0, 0], ...arm.joints.map(({ origin }) => origin), arm.tool.position].map((point) => camera.project(point));
+      const extent = (part) => Math.max(...spots.map((spot) => spot[part])) - Math.min(...spots.map((spot) => spot[part]));
+      found.push(Math.hypot(extent('x'), extent('y')));
+    }
+    return found;
+  }, [0.03, 0.3, 3].map(chainOf));
+  assert.ok(Math.min(...sizes) > 200, `${sizes} px`);
+  assert.ok(Math.max(...sizes) < 1.05 * Math.min(...sizes), `${sizes} px`);
+}));

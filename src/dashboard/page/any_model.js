@@ -51,7 +51,7 @@ function make(kinematics) {
 
 /** @type {(b: Builder, kinematics: Kinematics, style: Style) => void} */
 function anyArm(b, kinematics, style) {
-  const { joints, toolMount } = kinematics;
+  const { joints, tipMounts } = kinematics;
   const size = kinematics.reach || 1;
   const depths = joints.map((_, i) => depthOf(joints, i));
   const deepest = Math.max(1, ...depths);
@@ -69,16 +69,22 @@ function anyArm(b, kinematics, style) {
     drum(b.of(style.joint, true), [0, 0, isAtFloor ? 0 : -half], [0, 0, half], 1.24 * r, 0.28 * r);
     for (const side of isAtFloor ? [1] : [-1, 1]) drum(b.of(style.accent), [0, 0, side * half * 0.98], [0, 0, side * half * 1.05], 0.8 * r, 0.03 * r);
   });
-  if (toolMount.carrier < 0) return;
-  b.joint = toolMount.carrier;
-  const last = radius(toolMount.carrier);
-  const end = toolMount.offset.position;
-  if (norm(end) > 1e-6) {
-    const direction = unit(end);
-    const neck = Math.max(0, norm(end) - 0.9 * last);
-    link(b, scale(direction, neck), last, 0.72 * last, style, false);
-    drum(b.of('steel'), scale(direction, neck * 0.98), end, 0.62 * last, 0.1 * last, 0.5 * last);
-  } else tip(b, end, 0.5 * last);
+  for (const { carrier, offset } of tipMounts) {
+    b.joint = carrier;
+    if (carrier >= 0) endOf(b, offset.position, radius(carrier), style);
+  }
+}
+
+/** Adds the link from the last joint to a tip. @type {(b: Builder, end: Vec3, radius: number, style: Style) => void} */
+function endOf(b, end, radius, style) {
+  if (norm(end) <= 1e-6) {
+    tip(b, end, 0.5 * radius);
+    return;
+  }
+  const direction = unit(end);
+  const neck = Math.max(0, norm(end) - 0.9 * radius);
+  link(b, scale(direction, neck), radius, 0.72 * radius, style, false);
+  drum(b.of('steel'), scale(direction, neck * 0.98), end, 0.62 * radius, 0.1 * radius, 0.5 * radius);
 }
 
 /** @type {(joints: Kinematics['joints'], i: number) => number} */

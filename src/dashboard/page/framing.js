@@ -26,11 +26,15 @@ const TIME = 0.16;
 /** Time between two drawings if it is not known, s. */
 const USUAL = 0.046;
 
-/** Reach of the shown walls around the tool, m, and of the arm around its joints. */
-const MARGIN = 0.06;
+/** Reach of the arm around its joints, as a part of its length. */
+const MARGIN = 0.05;
 
-/** Distance from the base within which obstacles are kept in the picture, m. */
-const REACH = 1.5;
+/** Distances from the base within which obstacles, and from the tool within which walls are kept in the picture, as parts of it. */
+const REACH = 1.25;
+const NEAR_WALL = 0.33;
+
+/** Smallest length of an arm, m. */
+const SMALLEST = 0.05;
 
 export class Framing {
   /** @param {Camera} camera */
@@ -54,7 +58,8 @@ export class Framing {
   follow(world, subject, elapsed = USUAL) {
     const { camera } = this;
     if (!world.arm) return;
-    const points = shownPoints(world);
+    camera.size = Math.max(SMALLEST, world.kinematics?.reach ?? camera.size);
+    const points = shownPoints(world, camera.size);
     const size = `${camera.width} ${camera.height} ${Object.values(camera.free)}`;
     const isNew = subject !== this.subject;
     if (isNew) {
@@ -109,7 +114,7 @@ export class Framing {
     const low = vec([0, 1, 2].map((i) => Math.min(...points.map((point) => point[i]))));
     const high = vec([0, 1, 2].map((i) => Math.max(...points.map((point) => point[i]))));
     const target = mix(low, high, 0.5);
-    let [near, far] = [0.3, 12];
+    let [near, far] = [0.25 * camera.size, 10 * camera.size];
     for (let i = 0; i < 24; i += 1) {
       const distance = (near + far) / 2;
       const eye = add(target, scale(camera.back, distance));
@@ -126,22 +131,22 @@ export class Framing {
   }
 }
 
-/** @type {(world: World) => Vec3[]} */
-function shownPoints({ arm, goal, contacts, ghost, room }) {
+/** @type {(world: World, size: number) => Vec3[]} `size`: length of the arm, m */
+function shownPoints({ arm, goal, contacts, ghost, room }, size) {
   const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position, ...(shown.chains ?? []).map(({ tip }) => tip)] : []));
   const points = arms.map(vec);
   if (goal) points.push(vec(goal.pose.position));
   const tool = vec(arm?.tool.position ?? [0, 0, 0]);
   for (const { at, inwards } of contacts) {
     const distance = dot(sub(at, tool), inwards);
-    if (Math.abs(distance) < 0.4) points.push(add(tool, scale(inwards, distance)));
+    if (Math.abs(distance) < NEAR_WALL * size) points.push(add(tool, scale(inwards, distance)));
   }
-  points.push(...(room?.obstacles ?? []).flatMap(endsOf).filter((point) => norm(point) < REACH));
+  points.push(...(room?.obstacles ?? []).flatMap(endsOf).filter((point) => norm(point) < REACH * size));
   /** @type {Vec3[]} */
   const all = [[0, 0, 0]];
   for (const point of points) {
     for (let axis = 0; axis < 3; axis += 1) {
-      const shift = scale(vec([Number(axis === 0), Number(axis === 1), Number(axis === 2)]), MARGIN);
+      const shift = scale(vec([Number(axis === 0), Number(axis === 1), Number(axis === 2)]), MARGIN * size);
       all.push(add(point, shift), sub(point, shift));
     }
   }

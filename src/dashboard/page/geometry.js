@@ -42,6 +42,10 @@ export function perpendiculars(axis) {
  * @property {number} scale px per m there
  */
 
+/** Smallest and largest distance of the eye from the target, as parts of the length of the arm. */
+const NEAREST = 0.25;
+const FARTHEST = 10;
+
 /** A perspective camera that orbits around a target point. */
 export class Camera {
   constructor() {
@@ -50,6 +54,8 @@ export class Camera {
     this.azimuth = -0.9;
     this.elevation = 0.35;
     this.distance = 2.6;
+    /** Length of the shown arm, m; limits and margins of the view grow with it. */
+    this.size = 1.2;
     this.width = 1;
     this.height = 1;
     /** @type {Vec3} from the target to the eye, unit length */
@@ -70,7 +76,7 @@ export class Camera {
   update() {
     const limit = Math.PI / 2 - 0.02;
     this.elevation = Math.max(-0.2, Math.min(limit, this.elevation));
-    this.distance = Math.max(0.3, Math.min(12, this.distance));
+    this.distance = Math.max(NEAREST * this.size, Math.min(FARTHEST * this.size, this.distance));
     const level = Math.cos(this.elevation);
     this.back = [level * Math.cos(this.azimuth), level * Math.sin(this.azimuth), Math.sin(this.elevation)];
     this.eye = add(this.target, scale(this.back, this.distance));

@@ -1,9 +1,10 @@
 // The kinematics of the shown arm: frames of its joints, its tool, and singular values, for any posture.
 
+import { vec } from './arm.js';
 import { cross, sub } from './geometry.js';
 import { controlledRows } from './goals.js';
-import { jointFrames, jointsOf, mountOf, mounted, posture } from './link_poses.js';
-import { rotate } from './rotation.js';
+import { jointFrames, jointsOf, mountOf, mounted, posture, relative } from './link_poses.js';
+import { IDENTITY, rotate } from './rotation.js';
 import { smallestSingularValue } from './singular_value.js';
 import { post } from './transport.js';
 
@@ -24,6 +25,12 @@ export class Kinematics {
     this.robot = robot.name;
     this.joints = jointsOf(robot, answer, rest);
     this.toolMount = mountOf(this.joints, answer, rest);
+    /** The tool and the other tips. */
+    this.tipMounts = [this.toolMount, ...(answer.tips ?? []).slice(1).map(({ joint, pose: { position, orientation } }) => {
+      const carrier = answer.links.findIndex((link) => link.joint === joint);
+      const frame = this.frames(rest)[carrier] ?? { position: [0, 0, 0], orientation: IDENTITY };
+      return { carrier, offset: relative(frame, { position: vec(position), orientation }) };
+    })];
   }
 
   /** Asks the service for the kinematics of a robot. @type {(robot: Robot) => Promise<Kinematics>} */

@@ -48,7 +48,7 @@ export function drawLegends(view) {
     velocities: [entry('block', colours.accent, 'rad/s or m/s'), entry('block', colours.allowed, 'current bounds'), entry('block', colours.alarm, '▶ at a limit')],
     positions: [entry('block', colours.accent, 'rad or m'), entry('block', colours.allowed, 'allowed range')],
     limits: [entry('block', colours.alarm, 'upper limit'), entry('block', colours.axes[0], 'lower limit')],
-    singularity: [entry('', colours.accent, 'all tasks'), ...ghost],
+    singularity: [entry('', colours.accent, view.history.measures?.isDependent ? 'directions of the tool' : 'all tasks'), ...ghost],
     solver: [
       entry('block', colours.paths.closed_form, `closed form ${share(total.closed_form)}`),
       entry('block', colours.paths.active_set, `active set ${share(total.active_set)}`),

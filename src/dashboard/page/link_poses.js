@@ -77,7 +77,7 @@ export function posture({ joints }, part) {
 const placementOf = ({ position, orientation }) => ({ position: vec(position), orientation });
 
 /** @type {(a: Placement, b: Placement) => Placement} the frame b, in the frame a */
-function relative(a, b) {
+export function relative(a, b) {
   const back = inverse(a.orientation);
   return { position: rotate(back, sub(b.position, a.position)), orientation: multiply(back, b.orientation) };
 }

@@ -17,9 +17,11 @@ import * as roomSwitch from './room_switch.js';
 import { Scene } from './scene.js';
 import { viewOf } from './shared_state.js';
 import { state } from './state.js';
+import * as swing from './swing.js';
 import * as theme from './theme.js';
 import * as timeline from './timeline.js';
 import { view } from './view.js';
+import * as wipe from './wipe.js';
 import { world } from './world.js';
 
 /** Minimum interval between two drawings of the scene on the canvas, and of the plots, ms: about 20 and 10 per second. */
@@ -45,6 +47,8 @@ const recorder = exporting.bind(runControl, scene, attempt);
 replay.bind(runControl);
 scene.viewOfLink = viewOf(new URLSearchParams(location.hash.slice(1)).get('view'));
 
+wipe.bind(() => { needsRedraw = true; });
+swing.bind(() => { needsRedraw = true; });
 roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
 theme.onTheme(() => { needsRedraw = true; });
@@ -67,7 +71,7 @@ function draw(now) {
   const isEven = scene.solid !== null;
   const isReplaying = replay.advance(runControl, Math.min(0.1, (now - replayed) / 1000));
   replayed = now;
-  needsRedraw ||= isReplaying || scene.isMoving || (isEven && state.value.phase === 'running');
+  needsRedraw ||= isReplaying || swing.isSwinging() || scene.isMoving || (isEven && state.value.phase === 'running');
   if (!needsRedraw || (!isEven && now - sceneDrawn < SCENE_INTERVAL)) return;
   needsRedraw = false;
   sceneDrawn = now;
@@ -76,6 +80,7 @@ function draw(now) {
   const subject = watch?.session.id ?? `${scenario?.name} ${scenario?.controller.robot}`;
   scene.draw(shown, runControl.robot, subject, now);
   showInvite(runControl, scene, shown);
+  wipe.show(isEven && shown.ghost !== null);
   recorder.addPicture();
   if (now - plotsDrawn < PLOTS_INTERVAL) {
     needsRedraw = true;

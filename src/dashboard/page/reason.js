@@ -130,11 +130,13 @@ function singularCause({ threshold, controller, sigma, history }) {
   return isDamped ? [`the arm is near a singularity (σ = ${quantity(sigma, '', 2).trim()})`] : [];
 }
 
+/** Returns whether the arm rests. @type {(sample: LiveSample) => boolean} */
+export const rests = ({ joint_velocity: speeds }) => speeds.every((speed) => Math.abs(speed) < RESTING);
+
 /** @typedef {{task: number, name: string, amount: string}} Loss */
 
 /** Returns what each task gives up; while the arm rests, how far it stays from its target. @type {(view: View, sample: LiveSample) => Loss[]} */
 function lossesOf(view, sample) {
-  const rests = sample.joint_velocity.every((speed) => Math.abs(speed) < RESTING);
   return (view.controller?.tasks ?? []).flatMap((task, k) => {
     if ((sample.residual_norms[k] ?? 0) < MIN_GIVEN_UP) return [];
     const { linear, angular } = residualParts(task, sample.task_residuals[k] ?? []);
@@ -143,7 +145,7 @@ function lossesOf(view, sample) {
       angular >= MIN_GIVEN_UP ? quantity(angular, 'rad/s', 2) : '',
     ].filter(Boolean);
     if (parts.length === 0) return [];
-    const away = rests ? distanceLeft(view, k) : '';
+    const away = rests(sample) ? distanceLeft(view, k) : '';
     return [{ task: k, name: `task ${k + 1} “${task.name}”`, amount: away ? `stays ${away} from its target` : parts.join(' and ') }];
   });
 }

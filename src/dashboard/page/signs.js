@@ -4,7 +4,7 @@ import { vec } from './arm.js';
 import { add, cross, dot, norm, scale, sub, unit } from './geometry.js';
 import { positionRows } from './goals.js';
 import { distance, quantity } from './number.js';
-import { activeLimits } from './reason.js';
+import { activeLimits, rests } from './reason.js';
 import { rotate } from './rotation.js';
 import { shownSample } from './view.js';
 
@@ -64,7 +64,7 @@ export function signsOf(runControl, view, kinematics, position, contacts, goal) 
   return {
     tool: tool.position,
     velocity,
-    givenUp: sample ? givenUp(view, sample) : [],
+    givenUp: sample && !rests(sample) ? givenUp(view, sample) : [],
     frames: goal && turns(goal.task) ? [tool, { position: vec(goal.pose.position), orientation: goal.pose.orientation }].map(axesOf) : [],
     limits: sample ? limitSigns(view, sample, frames, position) : [],
     planes: contacts.filter(({ isVirtual }) => isVirtual).flatMap((plane) => planeSign(plane, tool.position)),

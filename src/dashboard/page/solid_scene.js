@@ -9,6 +9,7 @@ import { BOX, CYLINDER, SPHERE, flatMesh, grid, ribbon, square } from './solid_m
 import { AXIS, wallCenter } from './surroundings.js';
 import { areDrawable, placedParts } from './visuals.js';
 import { Renderer } from './webgl.js';
+import { lineOf } from './wipe.js';
 
 /**
  * @typedef {import('./types.js').Vec3} Vec3
@@ -28,6 +29,9 @@ import { Renderer } from './webgl.js';
 const GHOST = 0.3;
 const OVERLAY = 0.42;
 const OBSTACLE = 0.6;
+
+/** Force above which a wall is touched, N. */
+const TOUCH = 0.5;
 
 /** Half the width of a drawn wall and of a half-space, m. */
 const WALL = 0.32;
@@ -50,17 +54,25 @@ export class SolidScene {
 
   /** @type {(camera: Camera, world: World, robot: Robot | null, colours: Palette) => void} */
   draw(camera, world, robot, colours) {
+    const isParted = world.ghost !== null && world.wipe < 1;
     const items = [
       ...armItems(world, robot, colours),
-      ...ghostItems(world, colours),
+      ...(isParted ? [] : ghostItems(world.kinematics, world.ghost?.position ?? [], linearOf(colours.ghost))),
+      ...ghostItems(world.kinematics, world.swung ?? [], linearOf(colours.axes[2])),
       ...world.contacts.filter(({ isWall }) => isWall).flatMap((contact) => wallItems(contact, world, colours)),
       ...roomItems(camera, world, colours),
       ...pathItems(camera, world, colours),
       ...axisItems(camera, colours),
     ];
-    const reach = Math.max(0.2, world.kinematics?.reach ?? 1.2);
+    const reach = camera.size;
     this.redraw = () => this.draw(camera, world, robot, colours);
     this.renderer.draw(camera, items, colours.look, [0, 0, 0.45 * reach], reach);
+    if (!isParted || !world.ghost) return;
+    const other = { ...world, position: world.ghost.position, atLimit: [], ghost: null, history: world.ghost.history };
+    const others = [
+      ...armItems(other, robot, colours), ...items.filter(({ opacity = 1 }) => opacity < 1), ...pathItems(camera, other, colours), ...axisItems(camera, colours),
+    ];
+    this.renderer.draw(camera, others, colours.look, [0, 0, 0.45 * reach], reach, lineOf(camera, world.wipe) / camera.width);
   }
 }
 
@@ -94,17 +106,17 @@ function armItems({ visuals, kinematics, position, atLimit }, robot, colours) {
   });
 }
 
-/** @type {(world: World, colours: Palette) => Item[]} */
-function ghostItems({ ghost, kinematics }, colours) {
-  if (!ghost || !kinematics || ghost.position.length === 0) return [];
-  const frames = kinematics.frames(ghost.position);
+/** @type {(kinematics: Kinematics | null, position: number[], colour: Vec3) => Item[]} */
+function ghostItems(kinematics, position, colour) {
+  if (!kinematics || position.length === 0) return [];
+  const frames = kinematics.frames(position);
   return modelOf(kinematics).map(({ joint, mesh }) =>
-    ({ mesh, world: transform(frames[joint] ?? BASE), colour: linearOf(colours.ghost), opacity: GHOST, roughness: 0.6 }));
+    ({ mesh, world: transform(frames[joint] ?? BASE), colour, opacity: GHOST, roughness: 0.6 }));
 }
 
 /** @type {(contact: Contact, world: World, colours: Palette) => Item[]} */
 function wallItems(contact, world, colours) {
-  const touched = contact.isTouched;
+  const touched = contact.isVirtual ? contact.isTouched : Math.abs(dot(world.force, contact.inwards)) > TOUCH;
   const colour = contact.isVirtual ? linearOf(colours.ghost) : linearOf(colours.accent);
   const place = facing(wallCenter(contact, world), contact.inwards, WALL);
   return [
@@ -147,7 +159,7 @@ function solidItems(camera, solid, colour, opacity) {
 /** @type {(camera: Camera, colours: Palette) => Item[]} */
 function axisItems(camera, colours) {
   return [0, 1, 2].map((axis) => ({
-    mesh: ribbon([[0, 0, 0.001], scale(axisOf(axis), AXIS)], camera, PATH_WIDTH, false), world: transform(BASE), colour: shownOf(colours.axes[axis]), plain: true,
+    mesh: ribbon([[0, 0, 0.001], scale(axisOf(axis), AXIS * camera.size)], camera, PATH_WIDTH, false), world: transform(BASE), colour: shownOf(colours.axes[axis]), plain: true,
   }));
 }
 

@@ -17,7 +17,7 @@ const WALL_HALF_WIDTH = 0.32;
 
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, colours: Palette) => void} */
 export function floor(context, camera, colours) {
-  const reach = 1.5;
+  const reach = 1.25 * camera.size;
   context.lineWidth = 1;
   for (let i = -6; i <= 6; i += 1) {
     const at = (i * reach) / 6;
@@ -29,8 +29,8 @@ export function floor(context, camera, colours) {
   axes(context, camera, colours, true);
 }
 
-/** Length of the axes of the base, m. */
-export const AXIS = 0.22;
+/** Length of the axes of the base as a part of the length of the arm. */
+export const AXIS = 0.18;
 
 /** Draws the axes of the base, or their letters alone. @type {(context: CanvasRenderingContext2D, camera: Camera, colours: Palette, withLines: boolean) => void} */
 export function axes(context, camera, colours, withLines) {
@@ -38,10 +38,12 @@ export function axes(context, camera, colours, withLines) {
   context.textAlign = 'center';
   context.textBaseline = 'middle';
   for (let axis = 0; axis < 3; axis += 1) {
-    const tip = scale(axisOf(axis), AXIS);
+    const tip = scale(axisOf(axis), AXIS * camera.size);
     context.strokeStyle = colours.axes[axis];
     context.lineWidth = 2;
     if (withLines) segment(context, camera, [0, 0, 0], tip);
+    // With WebGL the arm hides its own axis.
+    if (!withLines && axis === 2) continue;
     const label = camera.project(scale(tip, 1.18));
     context.fillStyle = colours.axes[axis];
     context.fillText('xyz'[axis], label.x, label.y);

@@ -61,14 +61,19 @@ export class Renderer {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** @type {(camera: Camera, items: Item[], look: Look, center: Vec3, reach: number) => void} */
-  draw(camera, items, look, center, reach) {
+  /** Draws the picture, or its part from `left` on, 0 to 1. @type {(camera: Camera, items: Item[], look: Look, center: Vec3, reach: number, left?: number) => void} */
+  draw(camera, items, look, center, reach, left = 0) {
     const { gl } = this;
+    gl.disable(gl.SCISSOR_TEST);
     const shade = lightProjection(LIGHT, center, 1.25 * reach);
     const view = projection(camera);
     this.drawShadows(items.filter(({ castsShadow }) => castsShadow), shade);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    if (left > 0) {
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(Math.round(left * gl.drawingBufferWidth), 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    }
     gl.clear(gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT);
     this.drawSky(look);
     const solid = items.filter(({ opacity = 1 }) => opacity >= 1);
@@ -107,7 +112,7 @@ export class Renderer {
     const { gl } = this;
     const size = 4 * reach;
     const world = transform({ position: [0, 0, 0], orientation: IDENTITY }, [size, size, 1]);
-    this.use('floor', { ...look, world, view, shade, eye: camera.eye, cell: reach > 0.6 ? 0.5 : 0.1, reach: size, shadowed: 1 });
+    this.use('floor', { ...look, world, view, shade, eye: camera.eye, cell: reach > 0.6 ? 0.5 : reach > 0.12 ? 0.1 : 0.02, reach: size, shadowed: 1 });
     gl.enable(gl.BLEND);
     gl.depthMask(false);
     this.drawMesh(this.square);
@@ -118,6 +123,9 @@ export class Renderer {
   /** Draws translucent bodies: their nearest faces alone, so that none shows through another. @type {(items: Item[], view: Matrix, shade: Matrix, eye: Vec3, look: Look) => void} */
   drawClear(items, view, shade, eye, look) {
     const { gl } = this;
+    // A ghost is behind the arm where both are at the same place.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 4);
     gl.colorMask(false, false, false, false);
     const depth = this.use('depth', { view, shade });
     for (const item of items) this.drawItem(depth, item);
@@ -127,6 +135,7 @@ export class Renderer {
     const program = this.use('lit', { view, shade, eye, light: LIGHT, shadowed: 0, emitted: [0, 0, 0], ...look });
     for (const item of items) this.drawItem(program, item);
     gl.disable(gl.BLEND);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.depthFunc(gl.LESS);
   }
 

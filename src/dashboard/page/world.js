@@ -9,6 +9,8 @@ import { room } from './room.js';
 import { state } from './state.js';
 import { handle } from './target.js';
 import { signsOf } from './signs.js';
+import { swungPosition } from './swing.js';
+import { wipeOf } from './wipe.js';
 import { shownArm, shownController, shownSample } from './view.js';
 
 /**
@@ -55,6 +57,9 @@ export function world(runControl, now = null) {
     room: room(runControl),
     visuals: robot && visuals.get(robot.name) || null,
     position,
+    wipe: wipeOf(runControl),
+    methods: [runControl.run?.simulation.method ?? '', ghost?.simulation.method ?? ''],
+    swung: kinematics && robot ? swungPosition(kinematics, robot, position, performance.now() / 1000) : null,
     kinematics,
     moves: Boolean(runControl.setup?.motion) && !watch,
   };
