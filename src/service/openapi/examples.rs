@@ -88,6 +88,9 @@ pub fn complete(document: &mut Value) {
     let memory = &mut document["components"]["schemas"]["Memory"]["properties"];
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);
     document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
+    for schema in ["ContactReport", "ContactMemory"] {
+        document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
+    }
     for Example { path, method, name, request, answer } in EXAMPLES {
         let operation = &document["paths"][path][method];
         let body = "/requestBody/content/application~1json";
