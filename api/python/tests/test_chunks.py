@@ -43,7 +43,9 @@ def test_a_policy_leads_the_arm_to_where_its_actions_end() -> None:
     commands, q, answer = follow(controller, make)
     reached = np.array(revprio.kinematics(robot="panda", joint_position=q).pose.position)
     assert np.abs(reached - start - [0.0, 0.1, -0.05]).max() < 2e-3
-    assert answer.tasks[0].chunk.actions_left > 0
+    status = answer.tasks[0].chunk
+    assert status is not None
+    assert status.actions_left > 0
     limits = np.array([joint.acceleration_limit for joint in revprio.robot("panda").joints])
     assert (np.abs(np.diff(commands, axis=0)).max(axis=0) <= limits * PERIOD * (1 + 1e-9)).all()
 
@@ -73,6 +75,7 @@ def test_a_gripper_closes_with_the_actions_within_its_rate() -> None:
     for period in range(150):
         targets, channels = (arrived, first) if period == 0 else (None, None)
         answer = controller.step(START, time_s=period * PERIOD, targets=targets, channels=channels)
+        assert answer.channels is not None
         commands.append(answer.channels["gripper"])
     changes = np.abs(np.diff(commands))
     assert commands[40] == pytest.approx(0.08)

@@ -272,4 +272,5 @@ def _rotation(vector: Sequence[float]) -> Array:
         return np.eye(3)
     x, y, z = np.asarray(vector) / angle
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross)
+    rotation: Array = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * (cross @ cross)
+    return rotation
