@@ -140,6 +140,18 @@ test('the controller is copied as commands for ROS 2', options, () => withPage('
   assert.match(text, /python3 -m revprio_ros\.controller --ros-args -p controller:=controller\.json -p url:=http/);
 }, clipboard));
 
+test('a session whose answers say why shows their sentences', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const post = async (path, body) => (await fetch(service.url + path, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) })).json();
+  const scenario = await (await fetch(`${service.url}/v1/scenarios/joint_limits`)).json();
+  const { id } = await post('/v1/controllers', { ...scenario.controller, why: true });
+  await page.click('text=Live session');
+  await waitForState(page, 'phase', 'watching');
+  const answer = await post(`/v1/controllers/${id}/step`, { sequence: 0, time_s: 0, joint_position: scenario.start_joint_position });
+  assert.ok(answer.why.length > 0, JSON.stringify(answer));
+  const sentence = answer.why.join('; ');
+  await page.waitForFunction((text) => document.getElementById('reason').textContent === text, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`);
+}));
+
 test('the sentence names each joint once, calls redundancy no conflict, and is not absurd at rest', options, () => withPage('scenario=playground&robot=panda', async (page) => {
   const reasons = await page.evaluate(async () => {
     const { reason } = await import('/dashboard/reason.js');

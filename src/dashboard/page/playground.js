@@ -16,7 +16,9 @@ const PERIOD = 0.004;
 const DURATION = 400;
 
 /** Postures that are tried: a position in the range of each joint, repeated along the arm. */
-const PATTERNS = [[0.5], [0.55, 0.35, 0.5, 0.3, 0.5, 0.7], [0.5, 0.4, 0.6, 0.35], [0.6, 0.3, 0.45]];
+const PATTERNS = [
+  [0.5], [0.55, 0.35, 0.5, 0.3, 0.5, 0.7], [0.5, 0.4, 0.6, 0.35], [0.6, 0.3, 0.45], [0.5, 0.15, 0.93, 0.22, 0.88, 0.5], [0.5, 0.25, 0.85, 0.4, 0.1, 0.5],
+];
 
 /** Widest range that is used of a joint, rad or m. */
 const WIDEST = Math.PI;
@@ -24,18 +26,39 @@ const WIDEST = Math.PI;
 /** Smallest norm of a row of the Jacobian of a direction in which the tool can move, m/rad. */
 const MIN_MOBILITY = 1e-6;
 
+/** Number of further postures that are tried if all of these are near singularities, and the steps between them. */
+const FURTHER = 16;
+const STEPS = [0.618, 0.755, 0.382, 0.57, 0.245, 0.819, 0.467];
+
 /** @type {(robot: Robot) => Promise<Scenario>} */
 export async function playground(robot) {
-  const postures = PATTERNS.map((pattern) => robot.joints.map((joint, i) => within(joint, pattern[i % pattern.length])));
-  const answers = await Promise.all(postures.map((joint_position) =>
-    /** @type {Promise<KinematicsAnswer>} */ (post('/v1/kinematics', { robot: robot.name, joint_position }))));
-  const best = answers.reduce((at, answer, i) => (answer.manipulability > answers[at].manipulability ? i : at), 0);
-  const isMobile = (/** @type {number} */ row) => answers.some(({ jacobian }) => Math.hypot(...jacobian[row]) > MIN_MOBILITY);
+  const first = await Promise.all(PATTERNS.map((pattern) => tried(robot, pattern)));
+  const isMobile = (/** @type {number} */ row) => first.some(({ answer }) => Math.hypot(...answer.jacobian[row]) > MIN_MOBILITY);
   const mobile = AXES.filter((_, row) => isMobile(row));
+  const directions = Math.min(mobile.length, robot.joints.length);
+  const regularity = (/** @type {Tried} */ { answer }) => answer.singular_values[directions - 1] ?? 0;
+  let candidates = first.filter((one) => regularity(one) >= REGULAR);
+  if (candidates.length === 0) {
+    const more = Array.from({ length: FURTHER }, (_, k) => STEPS.map((step) => 0.15 + 0.7 * ((0.5 + (k + 1) * step) % 1)));
+    candidates = [...first, ...(await Promise.all(more.map((pattern) => tried(robot, pattern))))];
+    candidates.sort((a, b) => regularity(b) - regularity(a)).splice(1);
+  }
+  const best = candidates.reduce((at, one) => (one.answer.manipulability > at.answer.manipulability ? one : at));
   const linear = mobile.filter((axis) => axis.length === 1);
   const angular = mobile.filter((axis) => axis.length === 2);
-  return scenario(robot, postures[best], linear, angular);
+  return scenario(robot, best.posture, linear, angular);
 }
+
+/** @typedef {{posture: number[], answer: KinematicsAnswer}} Tried */
+
+/** @type {(robot: Robot, pattern: number[]) => Promise<Tried>} */
+async function tried(robot, pattern) {
+  const posture = robot.joints.map((joint, i) => within(joint, pattern[i % pattern.length]));
+  return { posture, answer: await post('/v1/kinematics', { robot: robot.name, joint_position: posture }) };
+}
+
+/** Smallest singular value from which a posture is far enough from singularities: the default threshold of the damping. */
+const REGULAR = 0.15;
 
 /** @type {(joint: RobotJoint, part: number) => number} */
 function within({ position_limit: range }, part) {

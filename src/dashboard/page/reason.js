@@ -49,6 +49,7 @@ export function reason(view) {
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
   const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view)];
   const losses = lossesOf(view, sample);
+  if (sample.why) return { text: capital(`${sample.why.join('; ')}.`), kind: losses.length > 0 && !isOrdinary(view, losses) ? 'limited' : 'ok' };
   if (losses.length === 0) {
     const text = causes.length > 0 ? `${joined(causes)}; every task is achieved.` : 'Every task is achieved; no limit is active.';
     return { text: capital(text), kind: 'ok' };

@@ -14,7 +14,8 @@ export type SimulationRequest = Schemas['SimulationRequest'];
 export type LiveFrame = Schemas['LiveFrame'];
 /** Collisions of an answer and the obstacles of its state; known for watched sessions. */
 export type SampleRoom = { report: CollisionReport | null; obstacles: ObstacleState[] };
-export type LiveSample = Schemas['LiveSample'] & { room?: SampleRoom };
+/** `why`: sentences of the answer, if the controller of the session asks for them. */
+export type LiveSample = Schemas['LiveSample'] & { room?: SampleRoom; why?: string[] };
 export type ArmView = Schemas['ArmView'];
 export type TimeHistogram = Schemas['TimeHistogram'];
 export type PathCounts = Schemas['PathCounts'];

@@ -111,6 +111,7 @@ export class Watch {
       round_trip_us: 0,
       answered: true,
       channels: answer.channels,
+      ...(answer.why && { why: answer.why }),
       room: { report: answer.collisions ?? null, obstacles: state.obstacles ?? [] },
     };
   }
