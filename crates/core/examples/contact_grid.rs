@@ -4,8 +4,10 @@
 
 #[path = "../tests/contact/grid.rs"]
 mod grid;
+#[expect(dead_code, reason = "the tests use the rest")]
 #[path = "../tests/contact/laws.rs"]
 mod laws;
+#[expect(dead_code, reason = "the tests use the rest")]
 #[path = "../tests/contact/plant.rs"]
 mod plant;
 

@@ -2,8 +2,10 @@
 //!
 //! `cargo run --release -p revprio-core --example contact_moving`
 
+#[expect(dead_code, reason = "the tests use the rest")]
 #[path = "../tests/contact/laws.rs"]
 mod laws;
+#[expect(dead_code, reason = "the tests use the rest")]
 #[path = "../tests/contact/plant.rs"]
 mod plant;
 

@@ -30,7 +30,9 @@ pub fn contact_law(law: &wire::Law, axes: &AxisSelection) -> Result<Option<Conta
     }
     if let Some(lag) = sensor_lag_s {
         let lag = number(*lag, "/sensor_lag_s")?;
-        settings.iter_mut().for_each(|settings| settings.sensor_lag = lag);
+        for settings in &mut settings {
+            settings.sensor_lag = lag;
+        }
     }
     ContactLaw::new(target, settings).map(Some).map_err(|error| refused(&error, law))
 }

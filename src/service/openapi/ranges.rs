@@ -111,19 +111,6 @@ fn request_ranges() -> Vec<FieldRange> {
             upper: Items(1, MAX_ROWS),
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
-        wire::Law as wire::Law::Contact {
-            approach_speed: Positive,
-            stiffest: Positive,
-            noise: Positive,
-            bias: NotNegative,
-            sensor_lag_s: NotNegative,
-            max_force: Positive,
-            retreat_speed: Positive,
-            max_acceleration: Positive,
-        }
-        wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
-        wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
-        wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
         wire::Profile as wire::Profile::Ramp { duration_s: Between(1e-6, MAX_MAGNITUDE) }
         wire::Profile as wire::Profile::Steps { points: Items(1, MAX_POINTS) }
         wire::Inequality as wire::Inequality::Joints { coefficients: Items(1, MAX_JOINTS) }
@@ -181,6 +168,25 @@ fn request_ranges() -> Vec<FieldRange> {
             speed: Between(MIN_SPEED, MAX_SPEED),
             external_force: Items(3, 3),
         }
+    }
+}
+
+/// Returns the ranges of fields of laws.
+fn law_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::Law as wire::Law::Contact {
+            approach_speed: Positive,
+            stiffest: Positive,
+            noise: Positive,
+            bias: NotNegative,
+            sensor_lag_s: NotNegative,
+            max_force: Positive,
+            retreat_speed: Positive,
+            max_acceleration: Positive,
+        }
+        wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
+        wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
+        wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
     }
 }
 
@@ -308,7 +314,7 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [request_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;

@@ -30,6 +30,7 @@ from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import characteristic_length as characteristic_length
 from revprio.presets import follow as follow
 from revprio.presets import push as push
+from revprio.presets import push_with_damping as push_with_damping
 from revprio.remote import Session as Session
 from revprio.remote import Stateless as Stateless
 from revprio.remote import Stream as Stream

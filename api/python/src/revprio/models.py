@@ -47,7 +47,12 @@ __all__ = [
     "Collisions",
     "ConstantProfile",
     "Contact",
+    "ContactFault",
     "ContactKind",
+    "ContactLaw",
+    "ContactMemory",
+    "ContactReport",
+    "ContactState",
     "Contradiction",
     "ContradictionMember",
     "ControllerConfig",
@@ -481,6 +486,54 @@ class SolverReport(Answer):
     """Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others."""
 
 
+ContactState = Literal["approach", "contact", "loss", "fault"]
+"""The state of a contact."""
+
+ContactFault = Literal["pull", "stays_in_retreat", "force_limit"]
+"""Why a contact is given up."""
+
+
+class ContactReport(Answer):
+    """The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
+
+    Fields:
+
+    - approach_speed: Approach speed of this period, m/s or rad/s.
+    - energy_j: Energy that the law may still give to the surface, J.
+    - predicted_force: Predicted force if all later commands are zero, N or N·m; 0 without contact.
+    - state: State of the contact.
+    - stiffness_bound: Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the
+      stiffest contact.
+    - surface_velocity: Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
+    - unavoidable_peak: Peak force that no controller can avoid at this approach speed in the stiffest contact, N or
+      N·m.
+    - fault: Why the contact is given up; only in the state `fault`.
+    - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
+    - stiffness_uncertainty: Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    """
+
+    approach_speed: float
+    """Approach speed of this period, m/s or rad/s."""
+    energy_j: float
+    """Energy that the law may still give to the surface, J."""
+    predicted_force: float
+    """Predicted force if all later commands are zero, N or N·m; 0 without contact."""
+    state: ContactState
+    """State of the contact."""
+    stiffness_bound: float
+    """Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the stiffest contact."""
+    surface_velocity: float
+    """Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s."""
+    unavoidable_peak: float
+    """Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m."""
+    fault: ContactFault | None = None
+    """Why the contact is given up; only in the state `fault`."""
+    stiffness: float | None = None
+    """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
+    stiffness_uncertainty: float | None = None
+    """Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known."""
+
+
 TargetState = Literal["following", "extrapolating", "holding", "braking"]
 """Where the streamed target of a period comes from."""
 
@@ -499,6 +552,7 @@ class TaskOutcome(Answer):
       the achieved one.
     - residual_norm: Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation.
     - active_rows: Active rows of a task with bounds: rows that reach a bound and restrict the answer.
+    - contact: Contact of each row with the law `contact`; absent for other laws.
     - scale: Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction.
     - target_age_s: Time of the state minus time of the newest streamed target, s; negative if the target lies
       ahead.
@@ -523,6 +577,8 @@ class TaskOutcome(Answer):
     """Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation."""
     active_rows: list[ActiveRow] = Field(default_factory=list)
     """Active rows of a task with bounds: rows that reach a bound and restrict the answer."""
+    contact: list[ContactReport] = Field(default_factory=list)
+    """Contact of each row with the law `contact`; absent for other laws."""
     scale: float | None = None
     """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
     target_age_s: float | None = None
@@ -1514,6 +1570,74 @@ class Contact(Body):
     negative direction. For a plane: the distance of the tool to it, against the normal."""
 
 
+class ContactMemory(Body):
+    """What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or
+    rad.
+
+    Fields:
+
+    - before_retreat: Sensed position when the tool last moved forward.
+    - contact_time_s: Time in contact since the last touch, or of suspicion before it, s.
+    - fault_position: Position at the fault.
+    - force: Force of the last state.
+    - hold_time_s: Time for which the force is near its target, s, up to the time after which the contact is held.
+    - is_above: Whether the force is above its target.
+    - means: Running means of sensed position and force. Shape: 2.
+    - position: Modelled position of the tool since the first step.
+    - return_speed: Largest speed of the way back to a lost surface, m/s or rad/s.
+    - sensed_position: The same as the force sensor sees it.
+    - spent_j: Energy that the surface got, less what its motion may cost, J.
+    - state: State of the contact.
+    - stiffness: Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3.
+    - sums: Sums of the squared position, position times force, the squared force, and the number of samples. Shape:
+      4.
+    - surface: Position of the surface.
+    - surface_motion: Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape:
+      3.
+    - swing: Factor of the upper bound, and the largest difference from the target force since the force last
+      crossed it and before. Shape: 3.
+    - fault: Why the contact is given up; only in the state `fault`.
+    """
+
+    before_retreat: float
+    """Sensed position when the tool last moved forward."""
+    contact_time_s: float
+    """Time in contact since the last touch, or of suspicion before it, s."""
+    fault_position: float
+    """Position at the fault."""
+    force: float
+    """Force of the last state."""
+    hold_time_s: float
+    """Time for which the force is near its target, s, up to the time after which the contact is held."""
+    is_above: bool
+    """Whether the force is above its target."""
+    means: Vector
+    """Running means of sensed position and force. Shape: 2."""
+    position: float
+    """Modelled position of the tool since the first step."""
+    return_speed: float
+    """Largest speed of the way back to a lost surface, m/s or rad/s."""
+    sensed_position: float
+    """The same as the force sensor sees it."""
+    spent_j: float
+    """Energy that the surface got, less what its motion may cost, J."""
+    state: ContactState
+    """State of the contact."""
+    stiffness: Vector
+    """Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3."""
+    sums: Vector
+    """Sums of the squared position, position times force, the squared force, and the number of samples. Shape: 4."""
+    surface: float
+    """Position of the surface."""
+    surface_motion: Vector
+    """Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape: 3."""
+    swing: Vector
+    """Factor of the upper bound, and the largest difference from the target force since the force last crossed it and
+    before. Shape: 3."""
+    fault: ContactFault | None = None
+    """Why the contact is given up; only in the state `fault`."""
+
+
 class VelocityLaw(Tagged):
     """A given velocity ẋ.
 
@@ -1656,6 +1780,61 @@ class LookAtLaw(Tagged):
     limits alone."""
 
 
+class ContactLaw(Tagged):
+    """Pressing on a surface of unknown stiffness. The tool approaches the surface, presses with the target force and
+    follows the surface. It needs no gains: the recommended law for contacts. Each axis of the task presses by
+    itself.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - target_force: Target force F_d, N and N·m, along the axes of the task. Its sign is the direction in which the
+      tool presses. A target below five times the noise is raised to it.
+    - approach_speed: Speed at which the tool approaches the surface, and largest speed at which it presses, m/s and
+      rad/s. A faster approach costs the peak force that the answer names; default: the largest that keeps the peak
+      below 1.2 times the target force in the stiffest contact.
+    - bias: Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to
+      this error are no contact; default 0.
+    - max_acceleration: Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5
+      m/s² and 50 rad/s².
+    - max_force: Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other
+      tasks, and after the limits of the joints; default: none.
+    - noise: Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m.
+    - retreat_speed: Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
+    - sensor_lag_s: Time constant of the filter of the force sensor, s; default 0.002.
+    - stiffest: Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface
+      in a row. Set it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
+    """
+
+    kind: Literal["contact"] = "contact"
+    """Selects the variant."""
+    target_force: Profile
+    """Target force F_d, N and N·m, along the axes of the task. Its sign is the direction in which the tool presses. A
+    target below five times the noise is raised to it."""
+    approach_speed: ArrayLike | None = None
+    """Speed at which the tool approaches the surface, and largest speed at which it presses, m/s and rad/s. A faster
+    approach costs the peak force that the answer names; default: the largest that keeps the peak below 1.2 times the
+    target force in the stiffest contact."""
+    bias: ArrayLike | None = None
+    """Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to this error
+    are no contact; default 0."""
+    max_acceleration: ArrayLike | None = None
+    """Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5 m/s² and 50
+    rad/s²."""
+    max_force: ArrayLike | None = None
+    """Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and
+    after the limits of the joints; default: none."""
+    noise: ArrayLike | None = None
+    """Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m."""
+    retreat_speed: ArrayLike | None = None
+    """Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s."""
+    sensor_lag_s: float | None = None
+    """Time constant of the filter of the force sensor, s; default 0.002."""
+    stiffest: ArrayLike | None = None
+    """Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface in a row. Set
+    it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad."""
+
+
 class ForceLaw(Tagged):
     """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
 
@@ -1763,7 +1942,8 @@ class HybridLaw(Tagged):
 
 
 Law = Annotated[
-    VelocityLaw | PoseLaw | PostureLaw | LookAtLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")
+    VelocityLaw | PoseLaw | PostureLaw | LookAtLaw | ContactLaw | ForceLaw | ImpedanceLaw | HybridLaw,
+    Field(discriminator="kind"),
 ]
 """The law that computes the velocity of a task."""
 
@@ -2882,6 +3062,8 @@ class Memory(Body):
     - last_command: Joint velocity of the last command, rad/s or m/s.
     - sequence: Sequence number of the last state.
     - task_velocities: Integrator velocity of each task, m/s and rad/s.
+    - contacts: What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next
+      state starts anew.
     - drive: The commands that the drive still has to follow; default: the last command for long.
     - in_transition: Whether the controller replaces another one and still limits accelerations for that; default:
       no.
@@ -2911,6 +3093,9 @@ class Memory(Body):
     """Sequence number of the last state."""
     task_velocities: list[Vector]
     """Integrator velocity of each task, m/s and rad/s."""
+    contacts: list[ContactMemory] | None = None
+    """What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next state starts
+    anew."""
     drive: DriveState | None = None
     """The commands that the drive still has to follow; default: the last command for long."""
     in_transition: bool | None = None

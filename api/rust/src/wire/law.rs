@@ -231,8 +231,11 @@ impl Law {
     /// not react to a contact, and for rows that the law does not have.
     pub fn contact_gains(&self, row: usize) -> Option<[f64; 3]> {
         let (inertia, damping, stiffness) = match self {
-            Self::Velocity { .. } | Self::Pose { .. } | Self::Posture { .. } | Self::LookAt { .. } => return None,
-            Self::Contact { .. } => return None,
+            Self::Velocity { .. }
+            | Self::Pose { .. }
+            | Self::Posture { .. }
+            | Self::LookAt { .. }
+            | Self::Contact { .. } => return None,
             Self::Force { inertia, damping, .. } => (inertia, damping, 0.0),
             Self::Impedance { inertia, damping, stiffness, .. } => (inertia, damping, stiffness.at(row)?),
             Self::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {

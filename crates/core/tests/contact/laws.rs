@@ -51,18 +51,8 @@ impl Pressing {
         }
     }
 
-    /// Sets F_d, N.
-    pub fn set_target(&mut self, target: f64) {
-        self.target = target;
-    }
-
     pub fn axis(&self) -> &ContactAxis {
         &self.axis
-    }
-
-    /// Returns s K̂ of the last period, N/m.
-    pub fn stiffness(&self) -> f64 {
-        self.axis.estimate.upper * self.axis.swing.factor
     }
 }
 

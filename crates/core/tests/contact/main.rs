@@ -4,6 +4,7 @@
 
 mod claim;
 mod events;
+#[expect(dead_code, reason = "the example uses the rest")]
 mod grid;
 mod laws;
 mod plant;

@@ -87,7 +87,7 @@ impl Conditions {
     /// Returns the same with one of three seeds and phases.
     pub fn seeded(self, seed: u64) -> Self {
         let phase = [0.05, 0.5, 0.95][(seed % 3) as usize];
-        Self { seed, phase, ..self }
+        Self { phase, seed, ..self }
     }
 
     /// F_d/(K v), s.
@@ -158,11 +158,6 @@ impl Noise {
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-
-    /// A number between two.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.uniform()
     }
 
     pub fn normal(&mut self) -> f64 {
@@ -262,6 +257,12 @@ impl Plant<'_> {
     }
 }
 
+/// The number of parts that cover a ratio.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small positive numbers")]
+fn whole(ratio: f64) -> usize {
+    ratio.ceil() as usize
+}
+
 /// Number of steps of the simulation in a period.
 fn substeps(terms: &Conditions) -> usize {
     let stiffness = match terms.event {
@@ -277,7 +278,7 @@ fn substeps(terms: &Conditions) -> usize {
             dt = dt.min(time);
         }
     }
-    (terms.period / dt).ceil() as usize
+    whole(terms.period / dt)
 }
 
 /// Runs a controller. `see` gets time, force, reading and command of each period.
@@ -304,7 +305,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
     let (mut touch, mut is_in, mut losses_at_end, mut energy) = (None, false, 0, 0.0);
     let (mut outside, mut outside_after) = (None, None);
     let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
-    let periods = (end / terms.period).ceil() as usize;
+    let periods = whole(end / terms.period);
     for _ in 0..periods {
         let reading = terms.sign * plant.reading + terms.bias + terms.noise * noise.normal();
         let command = controller.command(reading, plant.tool[1]);

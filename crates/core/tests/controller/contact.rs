@@ -88,8 +88,8 @@ impl<'a> World<'a> {
 
     /// Runs for a time, s; a state arrives every `every` periods.
     fn run(&mut self, time: f64, every: usize) {
-        let steps = (time / (PERIOD * every as f64)).round() as usize;
-        for _ in 0..steps {
+        let end = self.time + time - 0.5 * PERIOD;
+        while self.time < end {
             self.update_force();
             let [x, y, z] = self.force;
             let mut measured = self.arm.measure(self.time);

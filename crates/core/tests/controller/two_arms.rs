@@ -213,7 +213,7 @@ fn the_wrench_of_a_tip_moves_it_as_that_of_the_tool_moves_the_tool() {
             let config = ControllerConfig { wrench_convention: convention, wrench_frame, ..config };
             Stepper::new(Controller::new(config).unwrap()).unwrap()
         };
-        let mut steppers = [stepper(&two_pandas()), stepper(&two_pandas_with(["right", "left"]))];
+        let mut steppers = [two_pandas(), two_pandas_with(["right", "left"])].map(|robot| Box::new(stepper(&robot)));
         let mut memories = [None, None];
         let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 1e-3, 3);
         for i in 0..200_u32 {

@@ -65,15 +65,12 @@ pub(super) fn measure<'a, 'm>(
         (None, None) => arm.stand_at(&measurement.joint_position)?,
     }
     read_wrenches(config, measurement, arm);
-    match missed {
-        Some(Missed { way, time }) => {
-            arm.missed_way.copy_from_slice(way.as_slice());
-            arm.missed_time = time;
-        }
-        None => {
-            arm.missed_way.fill(0.0);
-            arm.missed_time = 0.0;
-        }
+    if let Some(Missed { way, time }) = missed {
+        arm.missed_way.copy_from_slice(way.as_slice());
+        arm.missed_time = time;
+    } else {
+        arm.missed_way.fill(0.0);
+        arm.missed_time = 0.0;
     }
     let tool_pose = *arm.measured().configuration.tool_pose();
     let initial_pose = known.as_ref().map_or(tool_pose, |known| known.initial_pose);
