@@ -169,6 +169,7 @@ pub mod controller;
 pub mod law;
 pub mod limits;
 pub mod linalg;
+pub mod payload;
 pub mod resolution;
 pub mod rows;
 pub mod streaming;
