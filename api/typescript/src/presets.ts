@@ -1,4 +1,4 @@
-import type { Axis, ControllerTask } from "./bodies.js";
+import type { Axis, ControllerTask, Law } from "./bodies.js";
 
 const AXES: readonly Axis[] = ["x", "y", "z", "rx", "ry", "rz"];
 
@@ -43,9 +43,9 @@ export function push(axis: Axis, newtons: number, options: PushOptions = {}): Co
   const { hold = "rest", periodS = 0.001, lagS = LAG_S, delayPeriods = DELAY_PERIODS } = options;
   const held = hold === "rest" ? AXES.filter((other) => other !== axis) : (hold ?? []);
   const toRest = lagS + delayPeriods * periodS;
-  const law = {
-    kind: "contact" as const,
-    target_force: { kind: "constant" as const, value: newtons },
+  const law: Law = {
+    kind: "contact",
+    target_force: { kind: "constant", value: newtons },
     ...(options.approachSpeed !== undefined && { approach_speed: options.approachSpeed }),
     ...(options.stiffest !== undefined && { stiffest: options.stiffest }),
     ...(options.maxForce !== undefined && { max_force: options.maxForce }),
