@@ -15,6 +15,7 @@ pub struct ObstacleMotion {
     /// Name of the obstacle, which has `moves: true`.
     pub name: String,
     /// How far it is from where the controller has it, over time: three values, base axes, m.
+    #[schema(example = json!({"kind": "constant", "value": [0, 0.1, 0]}))]
     pub displacement: wire::Profile,
 }
 
