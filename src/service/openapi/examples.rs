@@ -97,6 +97,7 @@ pub fn complete(document: &mut Value) {
     document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
     for schema in ["ContactReport", "ContactMemory"] {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
+        document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);
     }
     for Example { path, method, name, request, answer } in EXAMPLES {
         let operation = &document["paths"][path][method];

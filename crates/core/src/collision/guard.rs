@@ -279,7 +279,10 @@ impl CollisionGuard {
             let longest = refused - self.drive.delay_periods as f64 * self.period;
             loop {
                 if time <= spare_time(self.period) {
-                    return 0.0;
+                    // The command itself was allowed for one period.
+                    let is_allowed =
+                        self.report.is_violated || self.refused_after(moment, command, self.period).is_none();
+                    return if is_allowed { self.period } else { 0.0 };
                 }
                 time = (0.5 * time).max(spare_time(self.period));
                 if time < longest {

@@ -9,7 +9,7 @@
 
 use revprio_robot::kinematics::ConfigurationError;
 
-use super::config::{Controller, ControllerConfig};
+use super::config::{Controller, ControllerConfig, TaskConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
 use crate::channel::ChannelState;
 use crate::law::{ContactAxis, ContactPhase};
@@ -127,9 +127,12 @@ fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig
     let mut contacts = Vec::new();
     for task in new.tasks.iter().filter(|task| task.law.contact().is_some()) {
         let same = task_index(old, &task.name).filter(|&k| old.tasks[k].rows == task.rows);
-        let known = same.and_then(|k| old.contacts_of(k, &memory.contacts));
+        let known = same.and_then(|k| Some((k, old.contacts_of(k, &memory.contacts)?)));
+        let direction = |task: &TaskConfig, row| task.law.contact().map(|law| law.direction(row));
         for row in 0..task.rows.len() {
-            let axis = known.map_or(ContactAxis::START, |known| known[row]);
+            // The memory is along the pressing direction.
+            let known = known.filter(|(k, _)| direction(&old.tasks[*k], row) == direction(task, row));
+            let axis = known.map_or(ContactAxis::START, |(_, known)| known[row]);
             let is_fault = matches!(axis.phase, ContactPhase::Fault(_));
             contacts.push(if is_fault { ContactAxis::START } else { axis });
         }

@@ -180,7 +180,9 @@ fn evaluate_law(
     }
     if streams.force_brakes() {
         let max_change = |row| task.bound(Quantity::Force, row, &arm.robot).acceleration * config.period_s;
-        brake_forces(&mut velocity, &force, integrator, max_change);
+        // A contact goes on with the last force, and a retreat with its retreat: only what moves freely brakes.
+        let is_held = |row: usize| target.contact.get(row).is_some_and(|report| report.phase.touches());
+        brake_forces(&mut velocity, (&force, integrator), max_change, is_held);
     }
     target.velocity.copy_from_slice(&velocity);
     target.force.clear();
@@ -262,9 +264,15 @@ fn task_state(task: &TaskConfig, arm: &ArmState, streams: TaskStreams) -> TaskSt
     state
 }
 
-/// Replaces the velocity ẋ of force-controlled rows by one that brakes. `max_change`: of a row in a period.
-fn brake_forces(velocity: &mut TaskVector, force: &TargetForce, integrator: &[f64], max_change: impl Fn(usize) -> f64) {
-    for (row, velocity) in velocity.iter_mut().enumerate().filter(|(row, _)| force[*row].is_some()) {
+/// Replaces the velocity ẋ of force-controlled rows by one that brakes, except in rows that a contact holds. `max_change`: of a row in a
+/// period.
+fn brake_forces(
+    velocity: &mut TaskVector,
+    (force, integrator): (&TargetForce, &[f64]),
+    max_change: impl Fn(usize) -> f64,
+    is_held: impl Fn(usize) -> bool,
+) {
+    for (row, velocity) in velocity.iter_mut().enumerate().filter(|(row, _)| force[*row].is_some() && !is_held(*row)) {
         let change = max_change(row);
         *velocity = integrator[row] - integrator[row].clamp(-change, change);
     }

@@ -20,6 +20,13 @@ pub enum ContactPhase {
     Fault(FaultCause),
 }
 
+impl ContactPhase {
+    /// Returns whether the tool touches a surface, or retreats from one.
+    pub fn touches(self) -> bool {
+        matches!(self, Self::Contact | Self::Fault(_))
+    }
+}
+
 /// Why a contact is given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultCause {

@@ -128,7 +128,7 @@ impl StiffnessEstimate {
             self.upper = estimate.max(least);
         }
         if slope > SIGMAS * uncertainty && !is_held {
-            (self.slope, self.uncertainty) = (slope, uncertainty);
+            (self.slope, self.uncertainty) = (slope.min(settings.stiffest), uncertainty.min(settings.stiffest));
         }
     }
 }

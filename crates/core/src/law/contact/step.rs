@@ -43,8 +43,14 @@ const LONGEST_PUSH: f64 = 0.1;
 /// Noise of a force that is compared with another one, in units of σ.
 const DIFFERENCE: f64 = 6.0;
 
+/// How far below −f₅ a force is a pull, in units of σ: noise of the stated size reaches 8 σ in no run.
+const PULL: f64 = 3.0;
+
+/// Speed above which the tool still moves forward after a fault, m/s.
+const STILL_FORWARD: f64 = 1e-3;
+
 /// Way back after a fault, m, and its speed, m/s.
-const FAULT_RETREAT: (f64, f64) = (0.005, 0.05);
+const FAULT_RETREAT: (f64, f64) = (0.006, 0.05);
 
 /// Longest way back from a force that is still there, m.
 const LONGEST_RETREAT: f64 = 0.05;
@@ -115,6 +121,9 @@ impl Step<'_> {
             axis.before_retreat = axis.sensed_position;
         }
         if matches!(axis.phase, ContactPhase::Fault(_)) {
+            if self.input.last_velocity > STILL_FORWARD * settings.metre {
+                axis.estimate.restart_means(axis.sensed_position, force);
+            }
             return;
         }
         let retreat = axis.before_retreat - axis.sensed_position;
@@ -123,13 +132,14 @@ impl Step<'_> {
             && retreat > LONGEST_PUSH * settings.metre;
         let cause = if force > settings.max_force {
             Some(FaultCause::ForceLimit)
-        } else if force < -settings.threshold() {
+        } else if force < -(settings.threshold() + PULL * settings.noise) {
             Some(FaultCause::Pull)
         } else {
             stays.then_some(FaultCause::StaysInRetreat)
         };
         if let Some(cause) = cause {
             (axis.phase, axis.fault_position) = (ContactPhase::Fault(cause), axis.position);
+            axis.estimate.restart_means(axis.sensed_position, force);
         }
     }
 
@@ -176,7 +186,7 @@ impl Step<'_> {
         axis.hold_time = if is_near {
             (axis.hold_time + self.timing.period).min(HELD)
         } else if axis.hold_time > 0.5 * HELD {
-            axis.hold_time - AWAY * self.timing.period
+            (axis.hold_time - AWAY * self.timing.period).max(0.0)
         } else {
             0.0
         };
@@ -220,7 +230,10 @@ impl Step<'_> {
                 let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
                 let end = axis.fault_position - way * settings.metre;
                 let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
-                if axis.position + to_rest > end { -speed } else { 0.0 }
+                // What pulls may be a surface behind the tool: then the force grows on the way back.
+                let grows = force < axis.estimate.mean_force - DIFFERENCE * settings.noise;
+                let is_blocked = cause == FaultCause::Pull && grows;
+                if axis.position + to_rest > end && !is_blocked { -speed } else { 0.0 }
             }
         }
     }

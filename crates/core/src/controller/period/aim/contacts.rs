@@ -5,7 +5,8 @@ use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Memory, TaskTarget};
 use crate::law::{
-    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactReport, ContactTiming, TargetForce, TaskState, TaskVector,
+    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactReport, ContactTiming, FaultCause, TargetForce, TaskState,
+    TaskVector,
 };
 use crate::linalg::row_times;
 use crate::task::{TaskError, TaskStack};
@@ -17,7 +18,7 @@ const CONTACT_SHARE: f64 = 0.9;
 #[derive(Debug, Default)]
 pub struct Contacts {
     axes: Vec<PressingAxis>,
-    /// The task of the highest index with an axis that retreats from a fault.
+    /// The task of the highest index with an axis in a fault by force.
     retreat: Option<usize>,
 }
 
@@ -109,13 +110,14 @@ impl Contacts {
             let (pressing, report) = law.step(row, &axis.timing, input, &mut axis.memory);
             velocity[row] = axis.direction * pressing;
             reports.push(report);
-            if pressing < 0.0 && matches!(report.phase, ContactPhase::Fault(_)) {
+            if matches!(report.phase, ContactPhase::Fault(cause) if cause != FaultCause::Pull) {
                 self.retreat = Some(k);
             }
         }
     }
 
-    /// Lets the tasks above one that retreats from a fault go: nothing but limits and constraints holds a retreat back.
+    /// Lets the tasks above one with a fault by force go: nothing but limits and constraints holds its retreat back, and none brings the tool
+    /// back afterwards.
     pub(super) fn release_tasks_above_a_retreat(
         &self,
         targets: &mut [TaskTarget],
