@@ -96,7 +96,8 @@ impl RobotArgument {
          `shape_list` and `collision_pairs` of POST /v1/robots";
 
     /// Returns the robots of a directory in the order of their names. Each file is a robot with the name of the file,
-    /// without the extension. Subdirectories and hidden files are not read.
+    /// without the extension; a `.srdf` beside a `.urdf` of the same name is its semantic description. Subdirectories and hidden files are
+    /// not read.
     pub fn in_directory(directory: &Path) -> Result<Vec<Self>, RobotFileError> {
         let read = |source| RobotFileError::Read { path: directory.to_owned(), source };
         let entries: Vec<_> = std::fs::read_dir(directory).and_then(Iterator::collect).map_err(read)?;
@@ -105,8 +106,12 @@ impl RobotArgument {
         let mut paths: Vec<PathBuf> = paths.filter(|path| !path.is_dir() && !is_hidden(path)).collect();
         paths.sort();
         let name = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let robot = |path: PathBuf| Self { name: name(&path), ..Self::of_file(path) };
-        Ok(paths.into_iter().map(robot).collect())
+        let srdf = |path: &Path| {
+            Some(path.with_extension("srdf")).filter(|srdf| has_extension(path, "urdf") && paths.contains(srdf))
+        };
+        let is_robot = |path: &&PathBuf| !has_extension(path, "srdf") || !paths.contains(&path.with_extension("urdf"));
+        let robot = |path: &PathBuf| Self { name: name(path), srdf: srdf(path), ..Self::of_file(path.clone()) };
+        Ok(paths.iter().filter(is_robot).map(robot).collect())
     }
 
     /// Returns the argument of a file without options.
@@ -198,7 +203,7 @@ impl RobotArgument {
     }
 
     fn is_urdf(&self) -> bool {
-        self.path.extension().is_some_and(|ending| ending == "urdf")
+        has_extension(&self.path, "urdf")
     }
 
     fn overrides_file(&self) -> Result<OverridesFile, RobotArgumentError> {
@@ -296,6 +301,10 @@ impl fmt::Display for RobotArgument {
         }
         if self.fits_shapes { formatter.write_str(",shapes=fit") } else { Ok(()) }
     }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|ending| ending == extension)
 }
 
 fn read_text(path: &Path) -> Result<String, RobotFileError> {

@@ -3,8 +3,8 @@
 
 use nalgebra::Vector3;
 use revprio_api::wire::{self, Axis, LawTarget, PerAxis};
-use revprio_core::controller::{Controller, TaskConfig};
-use revprio_core::streaming::{StreamedTarget, StreamedValue};
+use revprio_core::controller::{Controller, Measurement, TaskConfig};
+use revprio_core::streaming::StreamedValue;
 use revprio_robot::{Joint, RobotModel};
 
 /// Distance of a target from the base above which it is reported, reaches of the arm. Targets beyond reach are common, and
@@ -64,15 +64,21 @@ pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) ->
     warnings
 }
 
-/// Adds the warnings about the targets of a state. If a target has none, those about the first one ahead that has some.
-pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, targets: &[StreamedTarget]) {
+/// Adds the warnings about the targets and the chunks of a state: for each, those about its first value that has some.
+pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, measurement: &Measurement) {
     let config = controller.config();
-    for target in targets {
-        let task = &config.tasks[target.task];
+    let mut add = |task: usize, values: &mut dyn Iterator<Item = &StreamedValue>| {
+        let task = &config.tasks[task];
         let about = About { task: &task.name, robot: &config.robot };
-        let values = std::iter::once(&target.value).chain(target.ahead.iter().map(|later| &later.value));
         let found = values.map(|value| about.streamed(task, value)).find(|found| !found.is_empty());
         warnings.extend(found.unwrap_or_default());
+    };
+    for target in &measurement.targets {
+        let values = std::iter::once(&target.value).chain(target.ahead.iter().map(|later| &later.value));
+        add(target.task, &mut { values });
+    }
+    for chunk in &measurement.chunks {
+        add(chunk.task, &mut chunk.actions.iter().map(|action| &action.value));
     }
 }
 

@@ -110,7 +110,8 @@ fn every_file_of_the_robots_directory_is_a_robot() {
     std::fs::create_dir_all(scratch.path().join("robots/meshes")).unwrap();
     let arm = include_str!("../../fixtures/robots/planar_3r.urdf");
     let rows = include_str!("../../fixtures/robots/sawyer_dh.toml");
-    for (name, text) in [("left.urdf", arm), ("right.toml", rows), (".hidden", "")] {
+    let srdf = r#"<robot name="left"><end_effector name="gripper" parent_link="hand"/></robot>"#;
+    for (name, text) in [("left.urdf", arm), ("left.srdf", srdf), ("right.toml", rows), (".hidden", "")] {
         scratch.write(&format!("robots/{name}"), text);
     }
     let directory = scratch.argument("robots");
@@ -119,6 +120,8 @@ fn every_file_of_the_robots_directory_is_a_robot() {
         for name in ["left", "right", "panda"] {
             assert!(server.get(&format!("/v1/robots/{name}")).starts_with("HTTP/1.1 200 "), "{name}");
         }
+        let left = server.get("/v1/robots/left");
+        assert!(left.contains(r#""tip":"hand""#), "the semantic description names the link of the hand: {left}");
     }
     let refused = |name: &str, text: &str| {
         let file = scratch.write(&format!("robots/{name}"), text);
@@ -131,6 +134,7 @@ fn every_file_of_the_robots_directory_is_a_robot() {
     assert!(refused("two words.urdf", arm).contains("rename the file"));
     assert!(refused("README.md", "").contains("robots are described in .urdf, .toml or .json"));
     refused("broken.urdf", "<robot>");
+    refused("nobody.srdf", srdf);
     let missing = scratch.argument("missing");
     assert!(failure(&["serve", "--robots-dir", &missing]).contains("missing"));
     assert!(

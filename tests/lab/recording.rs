@@ -171,7 +171,7 @@ fn errors_name_files_columns_and_values_that_are_not_valid() {
 fn documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all = TableLayout { joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all = TableLayout { channels: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
     let missing: Vec<String> = all
         .columns()
         .iter()
@@ -179,4 +179,36 @@ fn documentation_lists_every_column() {
         .filter(|line| !text.contains(line.as_str()))
         .collect();
     assert!(missing.is_empty(), "docs/recordings.md lacks\n{}", missing.join("\n"));
+}
+
+#[test]
+fn the_commands_of_channels_are_recorded_in_every_format() {
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
+    let mut scenario = Scenario::find("stiff_wall").unwrap();
+    scenario.duration_s = 0.1;
+    let target =
+        serde_json::from_str(r#"{"kind": "ramp", "start": 0, "end": 1, "start_time_s": 0, "duration_s": 0.05}"#);
+    scenario.controller.channels = vec![wire::Channel {
+        name: "gripper".to_owned(),
+        kind: wire::ChannelKind::Position,
+        lower: 0.0,
+        upper: 0.08,
+        max_rate: 1.0,
+        target: Some(target.unwrap()),
+    }];
+    let recording =
+        run(&scenario, &Client::new(&server.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
+    let commands: Vec<f64> = recording.samples.iter().map(|sample| sample.channels[0].unwrap()).collect();
+    assert!(commands.windows(2).all(|pair| (0.0..=1e-3 + 1e-12).contains(&(pair[1] - pair[0]))), "{commands:?}");
+    assert_eq!(commands.last(), Some(&0.08));
+    let scratch = Scratch::new("channels");
+    for format in Format::ALL {
+        let file = scratch.file(format);
+        format.write_file(&recording, false, &file).unwrap();
+        let back = read(&file).unwrap();
+        assert!(
+            back.samples.iter().map(|sample| &sample.channels).eq(recording.samples.iter().map(|s| &s.channels)),
+            "{format:?}"
+        );
+    }
 }

@@ -62,6 +62,27 @@ fn force_error(run: &Recording) -> f64 {
     largest(between(run, 2.0, 5.0), |s| (s.force[0] - 30.0).abs())
 }
 
+/// The ball passes through the place of the hand. Its middle stays away from the tool point, and the hand returns.
+#[test]
+fn a_hand_goes_out_of_the_way_of_a_ball_and_returns() {
+    let scenario = scenario("examples/scenarios/passing_ball.toml");
+    let run = served(&scenario);
+    let start = run.samples[0].position;
+    let far = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| (a[i] - b[i]).powi(2)).iter().sum::<f64>().sqrt();
+    let ball = |time_s: f64| [0.31, 0.6 - 0.2 * (time_s - 0.5).clamp(0.0, 6.0), 0.59];
+    let mut nearest = f64::INFINITY;
+    for sample in &run.samples {
+        nearest = nearest.min(far(sample.position, ball(sample.time_s)));
+    }
+    let nearest_of_start =
+        run.samples.iter().map(|sample| far(start, ball(sample.time_s))).fold(f64::INFINITY, f64::min);
+    assert!(nearest_of_start < 0.05, "the ball passes the hand at {nearest_of_start} m");
+    assert!(nearest > 0.1, "{nearest} m");
+    assert!(largest(&run.samples, |sample| far(sample.position, start)) > 0.1, "the hand moves");
+    let end = far(run.samples.last().unwrap().position, start);
+    assert!(end < 2e-3, "{end} m");
+}
+
 #[test]
 fn cascade_keeps_limits_and_force_while_the_sweep_gives_way() {
     for solver in [Solver::Auto, Solver::Qp] {

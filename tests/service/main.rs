@@ -2,8 +2,11 @@
 
 mod batch;
 mod bounds;
+mod channels;
+mod chunks;
 mod clients;
 mod collisions;
+mod contact;
 mod examples;
 mod hard_problems;
 mod harness;

@@ -250,6 +250,7 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     call("/v1/step", "step_again");
     call("/v1/step", "step_targets");
     call("/v1/step", "step_ahead");
+    call("/v1/step", "step_chunk");
     call("/v1/step", "step_room");
     call("/v1/step", "step_straight");
     call("/v1/controllers", "controller_laws");

@@ -52,7 +52,7 @@ impl Design {
     }
 
     pub fn needs_wrench(&self) -> bool {
-        self.wire.tasks.iter().any(|task| task.law.as_ref().is_some_and(wire::Law::integrates))
+        self.wire.tasks.iter().any(|task| task.law.as_ref().is_some_and(wire::Law::reads_wrench))
     }
 }
 

@@ -49,6 +49,8 @@ fn measurement(state: &wire::State) -> Measurement {
     };
     let [force, torque] = state.wrench.map_or([[0.0; 3]; 2], |wrench| [wrench.force, wrench.torque]);
     Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: state.time_s,

@@ -3,8 +3,9 @@
 Usage: python steps.py PROGRAM STATES.npz URDF
 
 `states` writes the states of a closed loop: an arm follows two tasks at 1 kHz, and limits of the joint velocities are
-active in most periods. `revprio`, `pink`, `mink` and `placo` compute the command for each of these states, kinematics
-included. pink, mink and placo have no priorities: the first task has 1000 times the weight of the second one.
+active in most periods. `revprio`, `pink`, `mink`, `placo`, `embodik` and `roboplan` compute the command for each of
+these states, kinematics included. pink, mink and placo solve in one level: the first task has 1000 times the weight of
+the second one.
 `threads` steps controllers in 1, 2, 4 and 8 threads. `run` runs all of them.
 """
 
@@ -197,6 +198,67 @@ def with_placo(states: Any) -> Step:  # noqa: ANN401
     return step
 
 
+def with_embodik(states: Any) -> Step:  # noqa: ANN401
+    """Solves each state with EmbodiK, whose tasks have priorities and axes, in the mode SCALE of its examples."""
+    import embodik  # noqa: PLC0415
+
+    robot = embodik.RobotModel(URDF)
+    solver = embodik.KinematicsSolver(robot)
+    solver.dt = PERIOD_S
+    solver.enable_position_limits(False)
+    solver.enable_velocity_limits(True)
+    for joint, limit in enumerate(states["limit"]):
+        solver.set_joint_velocity_limit(joint, limit)
+    first = solver.add_frame_task("first", TOOL, embodik.TaskType.FRAME_POSITION)
+    second = solver.add_frame_task("second", TOOL, embodik.TaskType.FRAME_POSE)
+    first.priority, second.priority = 0, 1
+    first.set_position_mask(np.array([1.0, 0.0, 0.0]))
+    second.set_position_mask(np.array([0.0, 1.0, 1.0]))
+
+    def step(i: int) -> Array:
+        velocity = targets(i)
+        first.set_target_position_velocity(velocity[:3] * [1, 0, 0])
+        second.set_target_velocity(velocity * [0, 1, 1, 1, 1, 1])
+        return np.asarray(solver.solve_velocity(states["positions"][i]).joint_velocities)
+
+    return step
+
+
+def with_roboplan(states: Any) -> Step:  # noqa: ANN401
+    """Solves each state with RoboPlan's Oink: one task of the whole tool, because its frame tasks have no axes."""
+    from roboplan import core  # noqa: PLC0415
+    from roboplan import optimal_ik as oink  # noqa: PLC0415
+
+    scene = core.Scene("sawyer", core.loadUrdfSceneDescriptionFromXml(Path(URDF).read_text()))
+    solver = oink.Oink(scene)
+    goal = core.CartesianConfiguration()
+    goal.base_frame, goal.tip_frame = "base", TOOL
+    frame = oink.FrameTask(
+        solver,
+        scene,
+        goal,
+        oink.FrameTaskOptions(position_cost=1.0, orientation_cost=1.0, task_gain=1.0, lm_damping=0.0),
+    )
+    limits = [oink.VelocityLimit(solver, PERIOD_S, states["limit"])]
+    displacement = np.zeros(7)
+
+    def step(i: int) -> Array:
+        scene.setJointPositions(states["positions"][i])
+        velocity = targets(i)
+        pose = np.asarray(scene.forwardKinematics(states["positions"][i], TOOL))
+        moved = np.eye(4)
+        moved[:3, 3] = pose[:3, 3] + PERIOD_S * velocity[:3]
+        x, y, z = PERIOD_S * velocity[3:]
+        # Exact to the second order of an angle of a milliradian.
+        small = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        moved[:3, :3] = (np.eye(3) + small + small @ small / 2) @ pose[:3, :3]
+        frame.setTargetFrameTransform(np.asfortranarray(moved))
+        solver.solveIk(scene, [frame], limits, [], displacement, 1e-8)
+        return displacement / PERIOD_S
+
+    return step
+
+
 def report(name: str, step: Step, states: Any) -> None:  # noqa: ANN401
     """Prints a row: median and 99th percentile of the time, limit violation, deviation of the first task."""
     commands = np.array([step(i) for i in range(PERIODS)])
@@ -257,7 +319,14 @@ def main() -> None:
         states = dict(stored)
     if program == "threads":
         return report_threads(states)
-    make = {"revprio": with_revprio, "pink": with_pink, "mink": with_mink, "placo": with_placo}[program]
+    peers = {
+        "pink": with_pink,
+        "mink": with_mink,
+        "placo": with_placo,
+        "embodik": with_embodik,
+        "roboplan": with_roboplan,
+    }
+    make = {"revprio": with_revprio, **peers}[program]
     report(program, make(states), states)
     return report_limited(states) if program == "revprio" else None
 

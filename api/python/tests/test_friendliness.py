@@ -89,7 +89,7 @@ def contact(damping: float, lag_s: float) -> models.StabilityAnswer:
 @pytest.mark.parametrize("lag_s", [0.0, 0.005, 0.02])
 def test_the_gains_of_a_push_keep_a_factor_of_two_of_the_stability_margin(lag_s: float) -> None:
     loop = {"environment_stiffness": 1e5, "lag_s": lag_s, "delay_periods": 0}
-    push, hold = revprio.push(axis="z", newtons=15, hold="rest", **loop)  # type: ignore[arg-type]
+    push, hold = revprio.push_with_damping(axis="z", newtons=15, hold="rest", **loop)  # type: ignore[arg-type]
     assert push.axes == ["z"]
     assert hold.axes == ["x", "y", "rx", "ry", "rz"]
     damping = float(np.asarray(push.law.damping))  # type: ignore[union-attr]
@@ -118,7 +118,7 @@ def test_every_push_is_stable_in_its_contact_in_softer_ones_and_in_free_space() 
     pushed, refused = 0, set()
     for arguments, loop in pushes():
         try:
-            law = revprio.push("z", hold=None, **arguments)[0].law  # type: ignore[arg-type]
+            law = revprio.push_with_damping("z", hold=None, **arguments)[0].law  # type: ignore[arg-type]
         except InvalidError as error:
             refused.add(error.pointer)
             continue
@@ -135,7 +135,7 @@ def test_every_push_is_stable_in_its_contact_in_softer_ones_and_in_free_space() 
 
 def test_a_push_between_two_close_ends_is_in_their_middle() -> None:
     loop = {"period_s": 0.02, "lag_s": 0.01, "delay_periods": 0, "velocity_measured": False}
-    damping = revprio.push("z", 15, environment_stiffness=5e4, **loop)[0].law.damping  # type: ignore[arg-type, union-attr]
+    damping = revprio.push_with_damping("z", 15, environment_stiffness=5e4, **loop)[0].law.damping  # type: ignore[arg-type, union-attr]
     environment = EnvironmentAxis(stiffness=5e4)
     margin = revprio.stability(inertia=15, damping=float(np.asarray(damping)), environment=environment, **loop)  # type: ignore[arg-type]
     low, high = margin.smallest_damping or 0, margin.largest_damping or 0
@@ -154,6 +154,22 @@ def test_a_push_between_two_close_ends_is_in_their_middle() -> None:
     ],
 )
 def test_a_push_that_no_damping_permits_is_refused(arguments: dict[str, float], pointer: str) -> None:
+    with pytest.raises(InvalidError) as refusal:
+        revprio.push_with_damping("z", **arguments)  # type: ignore[arg-type]
+    assert refusal.value.pointer == pointer
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pointer"),
+    [
+        ({"newtons": 0}, "/newtons"),
+        ({"newtons": float("nan")}, "/newtons"),
+        ({"newtons": 15, "approach_speed": 0}, "/approach_speed"),
+        ({"newtons": 15, "stiffest": -1}, "/stiffest"),
+        ({"newtons": 15, "max_force": float("inf")}, "/max_force"),
+    ],
+)
+def test_a_push_with_impossible_numbers_is_refused(arguments: dict[str, float], pointer: str) -> None:
     with pytest.raises(InvalidError) as refusal:
         revprio.push("z", **arguments)  # type: ignore[arg-type]
     assert refusal.value.pointer == pointer
@@ -204,16 +220,25 @@ def test_a_length_prefers_the_position_or_the_orientation() -> None:
     assert revprio.characteristic_length("balance", reach_m=0.2) == pytest.approx(0.2)
 
 
-def test_a_push_controls_an_arm_against_a_wall() -> None:
+@pytest.mark.parametrize("stiffness", [1e3, 1e4, 1e5])
+def test_a_push_presses_on_walls_of_unknown_stiffness(stiffness: float) -> None:
+    """The arm follows at once, faster than the default drive: that costs time only."""
     q = np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2])
     wall = float(np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position)[0]) + 0.001
-    force = 0.0
-    with revprio.Controller(robot="sawyer_dh", period_s=0.001, tasks=revprio.push("x", 15)) as arm:
-        for _ in range(1500):
+    force, peak = 0.0, 0.0
+    tasks = revprio.push("x", 15, approach_speed=0.01)
+    with revprio.Controller(robot="sawyer_dh", period_s=0.002, tasks=tasks) as arm:
+        for _ in range(2000):
             tool = np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position)
-            force = 1e4 * max(float(tool[0]) - wall, 0.0)
-            q = q + arm.period_s * arm.step(q, wrench=[force, 0, 0, 0, 0, 0]).joint_velocity
+            force = stiffness * max(float(tool[0]) - wall, 0.0)
+            peak = max(peak, force)
+            answer = arm.step(q, wrench=[force, 0, 0, 0, 0, 0])
+            q = q + arm.period_s * answer.joint_velocity
+    contact = answer.tasks[0].contact[0]
+    assert contact.state == "contact"
+    assert contact.unavoidable_peak > 15
     assert force == pytest.approx(15, rel=0.02)
+    assert peak < 1.1 * max(18, contact.unavoidable_peak * stiffness / 1e6)
 
 
 def test_a_tool_follows_a_pose() -> None:

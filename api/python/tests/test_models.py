@@ -46,6 +46,7 @@ REQUESTS: dict[str, type[Body]] = {
     "step": models.StepRequest,
     "step_again": models.StepRequest,
     "step_ahead": models.StepRequest,
+    "step_chunk": models.StepRequest,
     "step_room": models.StepRequest,
     "step_inequality": models.StepRequest,
     "step_straight": models.StepRequest,

@@ -9,6 +9,7 @@ from typing import Any
 import revprio
 
 from revprio_ros import parameters
+from revprio_ros.chunks import Chunks
 from revprio_ros.connection import Connection
 from revprio_ros.control import Control, Phase
 from revprio_ros.inputs import Inputs
@@ -40,6 +41,7 @@ class Controller(ClosableNode):
         self.clock = LoopClock(self)
         self.inputs = Inputs(self, self.clock, settings)
         self.targets = Targets(self, self.clock, settings)
+        self.chunks = Chunks(self, self.clock, settings)
         self.obstacles = Obstacles(self, self.clock, settings)
         self.outputs = Outputs(self, settings)
         self.connection = Connection(config, settings.url, settings.token)
@@ -62,7 +64,7 @@ class Controller(ClosableNode):
             self.outputs.check(self.control.joints)
             self.publish()
         if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:
-            self.report.publish(self.control, now_s, self.periods, self.targets.refusals)
+            self.report.publish(self.control, now_s, self.periods, self.targets.refusals | self.chunks.refusals)
 
     def check_fresh(self) -> None:
         """Raises a `NotUsable` that names a topic without a fresh message."""
@@ -77,7 +79,8 @@ class Controller(ClosableNode):
         if finding is not None:
             self.control.halt(finding, self.clock.now_s())
         start_s = measured_s if self.control.start_s is None else self.control.start_s
-        arrived = {"targets": self.targets.current(start_s) or None, "obstacles": self.obstacles.current() or None}
+        targets = self.targets.current(start_s) | self.chunks.take(start_s)
+        arrived = {"targets": targets or None, "obstacles": self.obstacles.current() or None}
         return {**arguments, **arrived}, measured_s
 
     def publish(self) -> None:

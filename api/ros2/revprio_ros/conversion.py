@@ -126,3 +126,26 @@ def pose(message):
     if not all(map(isfinite, position)) or not abs(length - 1) < 1e-3:
         raise NotUsable("the pose has a value that is not finite, or an orientation that is not of unit length")
     return position, {name: getattr(q, name) / length for name in "wxyz"}
+
+
+def trajectory_actions(message, joints):
+    """Converts trajectory_msgs/JointTrajectory to actions: (seconds after the stamp, {"joint_position": by name})."""
+    missing = [joint for joint in joints if joint not in message.joint_names]
+    if missing:
+        raise NotUsable(f"the trajectory lacks {', '.join(missing)} and has {', '.join(message.joint_names)}")
+    actions = []
+    for point in message.points:
+        if len(point.positions) != len(message.joint_names) or not all(map(isfinite, point.positions)):
+            raise NotUsable("a point of the trajectory has not one finite position per joint")
+        position = dict(zip(message.joint_names, point.positions, strict=True))
+        actions.append(
+            (seconds(point.time_from_start), {"joint_position": {joint: position[joint] for joint in joints}})
+        )
+    return actions
+
+
+def pose_actions(message, interval_s):
+    """Converts geometry_msgs/PoseArray to actions `interval_s` apart: (seconds after the stamp, position, orientation)."""
+    values = [pose(entry) for entry in message.poses]
+    keys = ("position", "orientation")
+    return [(k * interval_s, dict(zip(keys, value, strict=True))) for k, value in enumerate(values)]

@@ -37,6 +37,7 @@ PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
         "joints of the velocity command in the order of the driver; ['']: those of the robot",
         None,
     ),
+    "chunk_interval_s": (1 / 30, "time between two poses of a chunk, s", (0.001, 1.0)),
     "sign_check_force_n": (
         25.0,
         "force from which the sign of the wrench is checked, N; 0: not checked",
@@ -65,6 +66,7 @@ class Settings:
     tool_frame: str
     output: str
     command_joints: list[str]
+    chunk_interval_s: float
     sign_check_force_n: float
     sign_check_periods: int
 
@@ -87,6 +89,7 @@ def read(node: Node) -> Settings:
         tool_frame=values.tool_frame,
         output=values.output,
         command_joints=[joint for joint in values.command_joints if joint],
+        chunk_interval_s=values.chunk_interval_s,
         sign_check_force_n=values.sign_check_force_n,
         sign_check_periods=values.sign_check_periods,
     )

@@ -134,5 +134,26 @@ class Targets(unittest.TestCase):
                 conversion.pose(Message(**vars(pose) | changed))
 
 
+class Chunks(unittest.TestCase):
+    def test_a_trajectory_becomes_actions_of_the_joints_of_the_task(self):
+        points = [Message(positions=[0.3, 9.0, 0.1, 0.2], time_from_start=stamp(k / 30)) for k in range(2)]
+        message = Message(joint_names=["wrist", "finger", "shoulder", "elbow"], points=points)
+        first, second = conversion.trajectory_actions(message, JOINTS)
+        self.assertEqual(first, (0.0, {"joint_position": {"shoulder": 0.1, "elbow": 0.2, "wrist": 0.3}}))
+        self.assertAlmostEqual(second[0], 1 / 30)
+        with self.assertRaisesRegex(conversion.NotUsable, "lacks knee"):
+            conversion.trajectory_actions(message, ["knee"])
+        points[1].positions = [math.nan] * 4
+        with self.assertRaisesRegex(conversion.NotUsable, "finite"):
+            conversion.trajectory_actions(message, JOINTS)
+
+    def test_poses_become_actions_at_an_interval(self):
+        entry = Message(position=xyz(1.0, 2.0, 3.0), orientation=Message(w=0.0, x=1.0, y=0.0, z=0.0))
+        actions = conversion.pose_actions(Message(poses=[entry, entry]), 0.1)
+        self.assertEqual([time for time, _ in actions], [0.0, 0.1])
+        self.assertEqual(actions[1][1]["position"], [1.0, 2.0, 3.0])
+        self.assertEqual(actions[1][1]["orientation"], {"w": 0.0, "x": 1.0, "y": 0.0, "z": 0.0})
+
+
 if __name__ == "__main__":
     unittest.main()

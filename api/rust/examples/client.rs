@@ -22,6 +22,7 @@ pub fn run(address: &str) -> Result<(), Box<dyn std::error::Error>> {
     let joint_position = JointVector::Ordered(vec![2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]);
     let wrench = Some(Wrench { force: [12.5, 0.0, 0.0], torque: [0.0; 3] });
     let state = State {
+        channels: BTreeMap::new(),
         wrenches: BTreeMap::new(),
         obstacles: Vec::new(),
         sequence: 1,

@@ -3,6 +3,8 @@ import type { components } from "./generated.js";
 
 type Schemas = components["schemas"];
 
+export type Axis = Schemas["Axis"];
+export type ChunkAction = Schemas["ChunkAction"];
 export type Controller = Schemas["Controller"];
 export type ControllerTask = Schemas["ControllerTask"];
 export type CreatedController = Schemas["CreatedController"];

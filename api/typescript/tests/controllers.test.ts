@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { suite, test } from "node:test";
 import { setTimeout } from "node:timers/promises";
 import { Client, drive, LateAnswerError, NoAnswerError, ProblemError, Stepping, Watchdog } from "../src/index.js";
-import type { Robot, Scenario, State, StepAnswer } from "../src/index.js";
+import type { ChunkAction, Robot, Scenario, State, StepAnswer } from "../src/index.js";
 import { AT_REST, CONTROLLER, example, startFaultyProxy, testClient, POSTURE, serve, SLOW } from "./service.js";
 
 /** Runs a closed loop whose force is 1000 N per rad of the first joint; returns the commands. */
@@ -49,6 +49,17 @@ suite("controllers", () => {
     stream.close();
     await assert.rejects(stream.step(AT_REST), NoAnswerError);
     assert.ok(Math.max(...expected.flat().map(Math.abs)) > 0);
+  });
+
+  test("a chunk of actions leads the arm, and a wrong one is refused with a pointer", async (t) => {
+    const pose = { kind: "pose", gain: 5 } as const;
+    const tasks = [{ name: "hand", axes: ["x", "y", "z"] as ("x" | "y" | "z")[], law: pose }];
+    const session = await testClient((await serve(t)).url).session({ ...CONTROLLER, tasks });
+    const chunk: ChunkAction[] = [0, 1, 2].map((k) => ({ time_s: k / 30, position: [0.5, 0.1 * k, 0.3] }));
+    const answer = await session.step({ ...AT_REST, targets: { hand: { chunk, align: "time" } } });
+    assert.deepEqual(answer.tasks[0]!.chunk, { actions_left: 2, ends_in_s: 2 / 30, dropped: 1, shift_s: 0 });
+    const twice = { hand: { chunk: [chunk[0]!, chunk[0]!] } };
+    await assert.rejects(session.step({ ...AT_REST, targets: twice }), { pointer: "/targets/hand/chunk/1/time_s" });
   });
 
   test("a session replaces its controller", async (t) => {

@@ -36,6 +36,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         let wrench = [force, 0.0, 0.0, 0.0, 0.0, 0.0]; // of the tool on the environment
         let time_s = period * f64::from(cycle);
         let measured = Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s,

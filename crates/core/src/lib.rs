@@ -163,12 +163,14 @@
 //! | after (30) | "primary task ẋ_2" | ẋ_1 is the primary task |
 
 mod arm_state;
+pub mod channel;
 pub mod collision;
 pub mod constraint;
 pub mod controller;
 pub mod law;
 pub mod limits;
 pub mod linalg;
+pub mod payload;
 pub mod resolution;
 pub mod rows;
 pub mod streaming;

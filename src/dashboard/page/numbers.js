@@ -111,6 +111,7 @@ function drawReadouts(runControl, view, { row }) {
       ? ['Missed periods', String(watch.session.missed_periods ?? 0)]
       : ['Speed', state.value.phase === 'running' ? `${fixed(frame?.reached_speed, 2)}×` : '–'],
   ];
+  for (const [name, value] of Object.entries(sample?.channels ?? {})) numbers.push([name, fixed(value, 4)]);
   const list = element('readouts');
   if (list.children.length !== numbers.length) {
     list.replaceChildren(...numbers.map(() => {

@@ -110,6 +110,7 @@ export class Watch {
       solve_us: answer.elapsed_us,
       round_trip_us: 0,
       answered: true,
+      channels: answer.channels,
       ...(answer.why && { why: answer.why }),
       room: { report: answer.collisions ?? null, obstacles: state.obstacles ?? [] },
     };

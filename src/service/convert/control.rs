@@ -38,6 +38,13 @@ pub fn check_control(command: &wire::SimulationControl, controller: &Controller)
         let pointer = format!("/targets/{}/time_s", escape_pointer(name));
         return Err(ApiError::invalid(pointer, "omit it; the target belongs to the next state"));
     }
+    if let Some((name, _)) = command.targets.iter().find(|(_, target)| target.chunk.is_some()) {
+        let pointer = format!("/targets/{}/chunk", escape_pointer(name));
+        return Err(ApiError::invalid(
+            pointer,
+            "a run takes single targets; send chunks with the states of a controller",
+        ));
+    }
     targets(&command.targets, 0.0, controller)?;
     command.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }

@@ -1,6 +1,7 @@
 //! Controllers.
 
 use revprio_api::wire;
+use revprio_core::channel::ChannelError;
 use revprio_core::constraint::Constraint;
 use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, NullSpaceError, NullSpaceMotion, TaskConfigError,
@@ -9,6 +10,7 @@ use revprio_core::limits::{Drive, MAX_DRIVE_DELAY};
 use revprio_core::rows::RowsError;
 use revprio_robot::RobotModel;
 
+use super::channels;
 use super::checks::{Inside, Missing, Result, check, each};
 use super::collisions;
 use super::environment;
@@ -66,6 +68,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         leave_local_minima: request.leave_local_minima,
         anti_windup: terms::anti_windup(request.anti_windup),
         tasks,
+        channels: channels::channels(&request.channels)?,
         robot,
     };
     check_row_count(config.tasks.iter().map(|task| task.rows.len()))?;
@@ -127,6 +130,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Path { task } => format!("/tasks/{task}/law"),
         ConfigError::Limits { .. } | ConfigError::Unplanned => "/limits".to_owned(),
         ConfigError::Collisions(_) | ConfigError::CollisionsTwice => "/collisions".to_owned(),
+        ConfigError::Channel { index, source } => format!("/channels/{index}{}", channel_field(source)),
         ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
         ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),
@@ -134,6 +138,16 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::NullSpace(NullSpaceError::Gain(_) | NullSpaceError::Unstable { .. }) => {
             "/null_space_velocity/gain".to_owned()
         }
+    }
+}
+
+fn channel_field(error: &ChannelError) -> &'static str {
+    match error {
+        ChannelError::Range { .. } => "/upper",
+        ChannelError::Rate(_) => "/max_rate",
+        ChannelError::Target(_) => "/target",
+        ChannelError::Twice(_) => "/name",
+        ChannelError::TooMany(_) => "",
     }
 }
 

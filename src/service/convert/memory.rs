@@ -7,7 +7,9 @@ use revprio_core::limits::DriveState;
 use revprio_core::resolution::{ActiveSet, Bound, BoundId};
 use revprio_robot::Joint;
 
+use super::channels;
 use super::checks::{Inside, Result, check, each, foreign};
+use super::contact::{contact_memory, contact_memory_answer};
 use super::controller::MAX_VALID_FOR_MS;
 use super::numbers::{check_numbers, joint_index, joint_list, number, numbers, time};
 use super::rest_memory::{rest_state, rest_state_answer};
@@ -60,7 +62,9 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
         rest: memory.rest.as_ref().map(|rest| rest_state(rest, config)).transpose().inside("/rest")?,
         stalls: stalls(&memory.stalls, config)?,
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm).transpose().inside("/virtual_arm")?,
+        contacts: contact_memory(&memory.contacts, config)?,
         in_transition: memory.in_transition,
+        channels: channels::memory(&memory.channels, config)?,
     })
 }
 
@@ -201,7 +205,9 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         stalls: stalls_answer(&memory.stalls, controller.config()),
         rest: memory.rest.as_ref().map(|rest| rest_state_answer(rest, controller.config())),
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm_answer),
+        contacts: contact_memory_answer(&memory.contacts),
         in_transition: memory.in_transition,
+        channels: channels::memory_answer(&memory.channels, controller.config()),
     }
 }
 

@@ -5,8 +5,11 @@
 //! the time of reading a controller.
 
 mod arm;
+mod channels;
 mod checks;
+mod chunks;
 mod collisions;
+mod contact;
 mod control;
 mod controller;
 mod environment;
@@ -26,6 +29,7 @@ mod simulation;
 mod stability;
 mod step;
 mod target_memory;
+mod target_values;
 mod targets;
 mod task;
 mod terms;

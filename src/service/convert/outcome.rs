@@ -53,8 +53,10 @@ impl Outcome<'_> {
                 requested,
                 achieved,
                 target_force,
+                contact: Vec::new(),
                 target_state: None,
                 target_age_s: None,
+                chunk: None,
                 active_rows: self.resolution.active_rows(k).map(active_row).collect(),
             }
         };

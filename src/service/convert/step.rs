@@ -10,9 +10,10 @@ use tokio::time::Instant;
 use super::arm::arm_view;
 use super::checks::{Result, check};
 use super::collisions::{obstacle_states, report_answer};
+use super::contact::contact_answer;
 use super::numbers::{joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
-use super::{targets, terms, wrenches};
+use super::{channels, chunks, targets, terms, wrenches};
 use crate::service::constraint_names::ConstraintNames;
 use crate::service::error::ApiError;
 use crate::service::state_rules::StateRules;
@@ -35,8 +36,9 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     let robot = &controller.config().robot;
     check(state.sequence <= MAX_SEQUENCE, "/sequence", format_args!("give at most {MAX_SEQUENCE}"))?;
     let time_s = time(state.time_s, "/time_s")?;
-    let targets = targets::targets(&state.targets, time_s, controller)?;
+    let (targets, chunks) = targets::targets(&state.targets, time_s, controller)?;
     targets::check_times(&targets, time_s, controller)?;
+    chunks::check_times(&chunks, time_s, controller)?;
     Ok(Measurement {
         obstacles: obstacle_states(&state.obstacles)?,
         time_s,
@@ -45,6 +47,8 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
         wrench: wrenches::tool(state, controller)?,
         wrenches: wrenches::other_tips(state, controller)?,
         targets,
+        chunks,
+        channels: channels::inputs(&state.channels, controller)?,
     })
 }
 
@@ -56,8 +60,9 @@ pub fn step_error(error: &StepError) -> ApiError {
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
         StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::Channel => "/channels",
         StepError::WrenchTip { .. } => "/wrenches",
-        StepError::Target { .. } => "/targets",
+        StepError::Target { .. } | StepError::Chunk { .. } => "/targets",
         StepError::UnknownObstacle { index, .. } | StepError::ObstacleTwice { index, .. } => {
             return ApiError::invalid(format!("/obstacles/{index}/name"), error);
         }
@@ -113,6 +118,7 @@ pub fn step_answer(
         joint_velocity: outcome.joint_velocity(),
         sequence,
         memory: None,
+        channels: channels::commands(command, config),
         valid_for_ms: valid_for_ms(&command.hold, rules),
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),
@@ -144,11 +150,13 @@ fn stuck_task(stuck: &StuckTask, controller: &Controller) -> wire::StuckTask {
     }
 }
 
-/// Adds the reports of streamed targets to the outcomes of tasks.
+/// Adds the reports of contacts and of streamed targets to the outcomes of tasks.
 fn tasks_with_targets(mut tasks: Vec<wire::TaskOutcome>, command: &Command) -> Vec<wire::TaskOutcome> {
     for (task, target) in tasks.iter_mut().zip(&command.targets) {
+        task.contact = target.contact.iter().map(contact_answer).collect();
         task.target_state = target.streamed.map(|report| terms::target_state_answer(report.state));
         task.target_age_s = target.streamed.and_then(|report| report.age_s);
+        task.chunk = target.streamed.and_then(|report| report.chunk).map(chunks::status);
     }
     tasks
 }

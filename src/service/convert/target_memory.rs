@@ -4,10 +4,10 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use revprio_api::wire;
 use revprio_core::controller::ControllerConfig;
 use revprio_core::law::TaskVector;
-use revprio_core::streaming::{LaterTarget, Reference, Target, TargetStream, TargetValue};
+use revprio_core::streaming::{Chunk, Fade, LaterTarget, Reference, Target, TargetStream, TargetValue};
 
 use super::checks::{Inside, Result, each, foreign};
-use super::numbers::{check_numbers, time};
+use super::numbers::{check_numbers, number, time};
 use super::terms;
 
 /// Reads the streams of a memory.
@@ -29,6 +29,7 @@ fn read(stream: &wire::TargetStream, config: &ControllerConfig) -> Result<Target
         newest: sample(&stream.newest, "/newest")?,
         previous: sample(&stream.previous, "/previous")?,
         ahead: each("/ahead", &stream.ahead, |_, later| later_target(later))?,
+        chunk: stream.chunk.as_ref().map_or_else(|| Ok(Chunk::default()), chunk).inside("/chunk")?,
         reference: reference().inside("/reference")?,
         state: terms::target_state(stream.state),
     })
@@ -43,6 +44,25 @@ fn target(sample: &wire::TargetSample) -> Result<Target> {
 fn later_target(later: &wire::LaterTarget) -> Result<LaterTarget> {
     let value = value(later.pose.as_ref(), later.values.as_deref())?;
     Ok(LaterTarget { time_s: time(later.time_s, "/time_s")?, value })
+}
+
+fn chunk(chunk: &wire::ChunkMemory) -> Result<Chunk> {
+    Ok(Chunk {
+        actions: each("/actions", &chunk.actions, |_, action| later_target(action))?,
+        merged_s: time(chunk.merged_s, "/merged_s")?,
+        first_s: Some(time(chunk.first_s, "/first_s")?),
+        fade: chunk.fade.as_ref().map(fade).transpose().inside("/fade")?,
+    })
+}
+
+fn fade(fade: &wire::Fade) -> Result<Fade> {
+    Ok(Fade {
+        start_s: time(fade.start_s, "/start_s")?,
+        duration_s: number(fade.duration_s, "/duration_s")?,
+        offset: task_vector(&fade.offset, "/offset")?,
+        rate: task_vector(&fade.rate, "/rate")?,
+        acceleration: task_vector(&fade.acceleration, "/acceleration")?,
+    })
 }
 
 fn task_vector(values: &[f64], pointer: &str) -> Result<TaskVector> {
@@ -81,9 +101,26 @@ fn answer(stream: &TargetStream, config: &ControllerConfig) -> wire::TargetStrea
         newest: stream.newest.as_ref().map(sample),
         previous: stream.previous.as_ref().map(sample),
         ahead: stream.ahead.iter().map(later_answer).collect(),
+        chunk: chunk_answer(&stream.chunk),
         reference: wire::TargetReference { pose, values, velocity: stream.reference.velocity.to_vec() },
         state: terms::target_state_answer(stream.state),
     }
+}
+
+fn chunk_answer(chunk: &Chunk) -> Option<wire::ChunkMemory> {
+    let fade = |fade: &Fade| wire::Fade {
+        start_s: fade.start_s,
+        duration_s: fade.duration_s,
+        offset: fade.offset.to_vec(),
+        rate: fade.rate.to_vec(),
+        acceleration: fade.acceleration.to_vec(),
+    };
+    Some(wire::ChunkMemory {
+        first_s: chunk.first_s?,
+        merged_s: chunk.merged_s,
+        actions: chunk.actions.iter().map(later_answer).collect(),
+        fade: chunk.fade.as_ref().map(fade),
+    })
 }
 
 fn later_answer(later: &LaterTarget) -> wire::LaterTarget {

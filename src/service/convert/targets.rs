@@ -2,18 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use revprio_api::wire::{self, JointVector};
+use revprio_api::wire;
 use revprio_core::controller::{Controller, TaskConfig};
-use revprio_core::rows::TaskRows;
-use revprio_core::streaming::{Quantity, StreamedTarget, StreamedValue, Streaming, TargetAhead, TargetError};
+use revprio_core::streaming::{
+    Quantity, StreamedChunk, StreamedTarget, StreamedValue, Streaming, TargetAhead, TargetError,
+};
 use revprio_robot::RobotModel;
-use revprio_robot::kinematics::pose as pose_of;
 
-use super::checks::{Inside, Refused, Result, check, each};
-use super::numbers::{by_name, check_numbers, number, numbers, time};
+use super::checks::{Inside, Result, each};
+use super::chunks;
+use super::numbers::{number, time};
 use super::profile::PerRow;
-use crate::service::error::{ApiError, escape_pointer};
+use super::target_values::{joint_positions, misfit, place, read_pose, rows};
+use crate::service::error::ApiError;
 
 /// Reads the settings of a task with `rows` rows.
 pub fn streaming(given: Option<&wire::Streaming>, rows: usize) -> Result<Streaming> {
@@ -27,6 +28,7 @@ pub fn streaming(given: Option<&wire::Streaming>, rows: usize) -> Result<Streami
         brake_after_s: given.brake_after_s.unwrap_or(default.brake_after_s),
         delay_s: given.delay_s.unwrap_or(default.delay_s),
         smoothing_s: given.smoothing_s.unwrap_or(default.smoothing_s),
+        fade_s: given.fade_s.unwrap_or(default.fade_s),
         max_velocity: bounds(&given.max_velocity, "/max_velocity")?,
         max_acceleration: bounds(&given.max_acceleration, "/max_acceleration")?,
     })
@@ -37,18 +39,18 @@ pub fn targets(
     given: &BTreeMap<String, wire::StreamedTarget>,
     time_s: f64,
     controller: &Controller,
-) -> Result<Vec<StreamedTarget>> {
-    let mut targets = Vec::with_capacity(given.len());
+) -> Result<(Vec<StreamedTarget>, Vec<StreamedChunk>)> {
+    let (mut targets, mut chunks) = (Vec::with_capacity(given.len()), Vec::new());
     for (name, target) in given {
-        let read = task_index(name, controller).and_then(|task| read(target, task, time_s, controller));
-        targets.extend(read.map_err(|error| error.inside(&place(name)))?);
+        let inside = |error: ApiError| error.inside(&place(name));
+        let task = task_index(name, controller).map_err(inside)?;
+        if target.chunk.is_some() || target.align.is_some() {
+            chunks.extend(chunks::read(target, task, controller).map_err(inside)?);
+        } else {
+            targets.extend(read(target, task, time_s, controller).map_err(inside)?);
+        }
     }
-    Ok(targets)
-}
-
-/// Returns the JSON pointer of the target of a task.
-fn place(task: &str) -> String {
-    format!("/targets/{}", escape_pointer(task))
+    Ok((targets, chunks))
 }
 
 fn task_index(name: &str, controller: &Controller) -> Result<usize> {
@@ -136,60 +138,4 @@ pub fn check_times(targets: &[StreamedTarget], time_s: f64, controller: &Control
         })?;
     }
     Ok(())
-}
-
-/// Explains which targets a task accepts.
-fn misfit(task: &TaskConfig) -> String {
-    let name = &task.name;
-    let accepted = |quantity: &Quantity| match quantity {
-        Quantity::Pose => "`pose`, if known with its `velocity`",
-        Quantity::JointPosition => "`joint_position`, if known with its `velocity`",
-        Quantity::Velocity => "`velocity`",
-        Quantity::Force => "`force`",
-    };
-    match task.quantities().iter().map(accepted).collect::<Vec<_>>().as_slice() {
-        [] => format!(
-            "task `{name}` follows no target, because it has bounds, the target `mid_range` or the law `look_at`"
-        ),
-        accepted => format!("a target of task `{name}` is {}", accepted.join(", or ")),
-    }
-}
-
-fn rows(values: &[f64], task: &TaskConfig, pointer: &str) -> Result<Vec<f64>> {
-    let (given, expected, name) = (values.len(), task.rows.len(), &task.name);
-    let detail = format_args!("{given} numbers for {expected} rows of task `{name}`; give one per row");
-    check(given == expected, pointer, detail)?;
-    numbers(values, pointer)
-}
-
-fn read_pose(pose: &wire::StreamedPose, task: &TaskConfig) -> Result<StreamedValue> {
-    let has_axis = |is_linear: bool| match &task.rows {
-        TaskRows::Tool(rows) => rows.axes.axes().iter().any(|axis| (axis.index() < 3) == is_linear),
-        _ => false,
-    };
-    for (field, is_given, is_linear) in
-        [("position", pose.position.is_some(), true), ("orientation", pose.orientation.is_some(), false)]
-    {
-        let (name, kind) = (&task.name, if is_linear { "a linear" } else { "an angular" });
-        let detail = format_args!("task `{name}` has {kind} axis and needs the `{field}`");
-        check(is_given || !has_axis(is_linear), "", detail)?;
-    }
-    pose.position.map_or(Ok(()), |position| check_numbers(&position, "/position"))?;
-    let orientation = pose.orientation.map(|wire::Orientation { w, x, y, z }| {
-        let pose = pose_of([0.0; 3], [w, x, y, z]).at("/orientation")?;
-        Ok(UnitQuaternion::from_rotation_matrix(&pose.rotation))
-    });
-    Ok(StreamedValue::Pose { position: pose.position.map(Vector3::from), orientation: orientation.transpose()? })
-}
-
-/// Reads one position per joint of the task.
-fn joint_positions(given: &JointVector, task: &TaskConfig, robot: &RobotModel) -> Result<Vec<f64>> {
-    let field = "/joint_position";
-    let named = match given {
-        JointVector::Ordered(values) => return rows(values, task, field),
-        JointVector::Named(named) => named,
-    };
-    let names: Vec<&str> = task.rows.joints().iter().map(|&joint| robot.joints()[joint].name.as_str()).collect();
-    let unknown = |name: &str| format!("task `{}` has no joint `{name}`; its joints: {}", task.name, names.join(", "));
-    by_name(named, &names, field, unknown, |name| format!("the position of joint `{name}` is missing"))
 }

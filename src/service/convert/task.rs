@@ -10,6 +10,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::half_range;
 
 use super::checks::{Inside, Missing, Refused, Result, check, each};
+use super::contact::contact_law;
 use super::numbers::{check_numbers, inertia, joint_index, velocity_bounds};
 use super::pose::{pose, task_body, task_frame};
 use super::profile::{PerRow, at_row};
@@ -67,7 +68,12 @@ fn tool_task(
         Some(law) => reader.with_target(rows, law).inside("/law")?,
         None => rows,
     };
-    Ok((TaskRows::Tool(rows), reader.law_or_bounds(task, law)?))
+    let contact = match law {
+        Some(law) if task.lower.is_none() && task.upper.is_none() => contact_law(law, &rows.axes).inside("/law")?,
+        _ => None,
+    };
+    let law = contact.map_or_else(|| reader.law_or_bounds(task, law), |law| Ok(Law::Contact(law)))?;
+    Ok((TaskRows::Tool(rows), law))
 }
 
 /// Reads the line of sight of a task.
@@ -186,6 +192,9 @@ impl LawReader {
             wire::Law::LookAt { gain, max_acceleration, braking, .. } => {
                 let max_acceleration = max_acceleration.map(PerAxis::All);
                 self.position(&PerAxis::All(*gain), max_acceleration.as_ref(), *braking, None)?
+            }
+            wire::Law::Contact { .. } => {
+                return Err(ApiError::invalid("/kind", "the law `contact` presses along `axes` of the tool"));
             }
             wire::Law::Force { inertia, damping, target_force } => {
                 let gains = self.gains(inertia, damping, &PerAxis::All(0.0))?;

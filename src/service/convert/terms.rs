@@ -2,7 +2,7 @@
 
 use revprio_api::wire;
 use revprio_core::controller::{AntiWindup, Obstacle, WrenchConvention, WrenchFrame};
-use revprio_core::law::MotionPath;
+use revprio_core::law::{FaultCause, MotionPath};
 use revprio_core::limits::LimitKind;
 use revprio_core::resolution::{Method, Path, Side, Solver, Status};
 use revprio_core::streaming::{Quantity, TargetState};
@@ -24,6 +24,7 @@ macro_rules! same_variants {
 }
 
 same_variants!(motion_path: wire::MotionPath => MotionPath { Joint, Straight });
+same_variants!(fault, fault_answer: wire::ContactFault => FaultCause { Pull, StaysInRetreat, ForceLimit });
 same_variants!(axis: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
 same_variants!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority });
 same_variants!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });

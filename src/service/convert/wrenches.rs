@@ -60,7 +60,7 @@ fn place(tip: &str) -> String {
 fn needed_by(controller: &Controller, tip: usize) -> Option<&str> {
     let config = controller.config();
     let reads = |rows: &TaskRows| matches!(rows, TaskRows::Tool(rows) if rows.frame.tip(&config.robot) == Some(tip));
-    let task = config.tasks.iter().find(|task| task.law.integrates() && reads(&task.rows))?;
+    let task = config.tasks.iter().find(|task| task.law.reads_wrench() && reads(&task.rows))?;
     Some(&task.name)
 }
 

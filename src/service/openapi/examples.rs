@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 40] = examples! {
+const EXAMPLES: [Example; 41] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -42,6 +42,7 @@ const EXAMPLES: [Example; 40] = examples! {
     post "/v1/step" "step_again" => "step_again";
     post "/v1/step" "step_targets" => "step_targets";
     post "/v1/step" "step_ahead" => "step_ahead";
+    post "/v1/step" "step_chunk" => "step_chunk";
     post "/v1/step" "step_room" => "step_room";
     post "/v1/step" "step_straight" => "step_straight";
     post "/v1/controllers" "controller" => "controller";
@@ -86,7 +87,17 @@ pub fn complete(document: &mut Value) {
     // No step of the examples has jerk limits that bind. The derive has no example for a field that is an object or null.
     let memory = &mut document["components"]["schemas"]["Memory"]["properties"];
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);
+    memory["contacts"]["examples"] = json!([[{
+        "state": "contact", "position": 0.012, "sensed_position": 0.012, "force": 29.9, "surface": 0.01,
+        "contact_time_s": 0.4, "hold_time_s": 0.3, "return_speed": 0.012, "spent_j": 0.02, "before_retreat": 0.012,
+        "fault_position": 0.0, "stiffness": [15_300.0, 12_000.0, 130.0], "means": [0.011, 28.0],
+        "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 12_000.0, 0.0], "swing": [1.0, 0.2, 0.3],
+        "is_above": false
+    }]]);
     document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
+    for schema in ["ContactReport", "ContactMemory"] {
+        document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
+    }
     for Example { path, method, name, request, answer } in EXAMPLES {
         let operation = &document["paths"][path][method];
         let body = "/requestBody/content/application~1json";

@@ -3,10 +3,13 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
+use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
-use revprio_core::streaming::{MAX_FORESIGHT, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL};
+use revprio_core::streaming::{
+    MAX_ACTIONS, MAX_FORESIGHT, MAX_KEPT_ACTIONS, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL,
+};
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
@@ -82,6 +85,7 @@ fn request_ranges() -> Vec<FieldRange> {
             period_s: Between(MIN_PERIOD_S, MAX_PERIOD_S),
             characteristic_length_m: Between(CHARACTERISTIC_LENGTH_M.0, CHARACTERISTIC_LENGTH_M.1),
             tasks: Items(1, MAX_TASKS),
+            channels: Items(0, MAX_CHANNELS),
             inequalities: Items(0, MAX_INEQUALITIES),
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
@@ -111,9 +115,6 @@ fn request_ranges() -> Vec<FieldRange> {
             upper: Items(1, MAX_ROWS),
         }
         wire::Limits as wire::Limits::Box { lower: Items(1, MAX_JOINTS), upper: Items(1, MAX_JOINTS) }
-        wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
-        wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
-        wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
         wire::Profile as wire::Profile::Ramp { duration_s: Between(1e-6, MAX_MAGNITUDE) }
         wire::Profile as wire::Profile::Steps { points: Items(1, MAX_POINTS) }
         wire::Inequality as wire::Inequality::Joints { coefficients: Items(1, MAX_JOINTS) }
@@ -141,6 +142,7 @@ fn request_ranges() -> Vec<FieldRange> {
             duration_s: Positive,
             start_joint_position: Items(1, MAX_JOINTS),
             contacts: Items(0, 100),
+            obstacle_motions: Items(0, MAX_OBSTACLES),
             substeps: Between(1.0, 1000.0),
         }
         VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
@@ -174,11 +176,41 @@ fn request_ranges() -> Vec<FieldRange> {
     }
 }
 
+/// Returns the ranges of fields of laws.
+fn law_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::Law as wire::Law::Contact {
+            approach_speed: Positive,
+            stiffest: Positive,
+            noise: Positive,
+            bias: NotNegative,
+            sensor_lag_s: NotNegative,
+            max_force: Positive,
+            retreat_speed: Positive,
+            max_acceleration: Positive,
+        }
+        wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
+        wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
+        wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
+    }
+}
+
 /// Returns the ranges of fields of memories, which are parts of requests.
 fn memory_ranges() -> Vec<FieldRange> {
     field_ranges! {
         wire::DriveState { velocity: Items(1, MAX_JOINTS), pending: Items(0, MAX_DRIVE_DELAY) }
         wire::JerkState { acceleration: Items(1, MAX_JOINTS), requested: Items(1, MAX_JOINTS) }
+        wire::ContactMemory {
+            contact_time_s: NotNegative,
+            return_speed: NotNegative,
+            spent_j: NotNegative,
+            hold_time_s: NotNegative,
+            surface_motion: Items(3, 3),
+            stiffness: Items(3, 3),
+            means: Items(2, 2),
+            sums: Items(4, 4),
+            swing: Items(3, 3),
+        }
         wire::RestState { fading_since_s: Between(-MAX_TIME_S, MAX_TIME_S) }
         wire::Progress {
             slow_since_s: Between(-MAX_TIME_S, MAX_TIME_S),
@@ -205,6 +237,7 @@ fn target_ranges() -> Vec<FieldRange> {
             brake_after_s: Between(0.0, MAX_STREAMING_TIME),
             delay_s: Between(0.0, MAX_STREAMING_TIME),
             smoothing_s: Between(0.0, MAX_STREAMING_TIME),
+            fade_s: Between(0.0, MAX_STREAMING_TIME),
             max_velocity: Positive,
             max_acceleration: Positive,
         }
@@ -213,6 +246,28 @@ fn target_ranges() -> Vec<FieldRange> {
             velocity: Items(1, MAX_ROWS),
             force: Items(1, MAX_ROWS),
             ahead: Items(0, MAX_TARGETS_AHEAD),
+            chunk: Items(1, MAX_ACTIONS),
+        }
+        wire::ChunkAction {
+            time_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            position: Items(3, 3),
+            velocity: Items(1, MAX_ROWS),
+            force: Items(1, MAX_ROWS),
+        }
+        wire::Channel { max_rate: Positive }
+        wire::ChannelMemory { targets: Items(0, MAX_CHANNEL_TARGETS) }
+        wire::ChannelTarget { time_s: Between(-MAX_TIME_S, MAX_TIME_S) }
+        wire::ChunkMemory {
+            first_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            merged_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            actions: Items(0, MAX_KEPT_ACTIONS),
+        }
+        wire::Fade {
+            start_s: Between(-MAX_TIME_S, MAX_TIME_S),
+            duration_s: Positive,
+            offset: Items(1, MAX_ROWS),
+            rate: Items(1, MAX_ROWS),
+            acceleration: Items(1, MAX_ROWS),
         }
         wire::TargetAhead { after_s: Between(MIN_INTERVAL, MAX_FORESIGHT) }
         wire::TargetStream { ahead: Items(0, MAX_TARGETS_AHEAD) }
@@ -287,7 +342,7 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [request_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;

@@ -31,13 +31,13 @@ pub fn changed_controller(
 }
 
 /// Returns the current controller with the allowed changes of the new one: method, solver, and parameters of laws that
-/// integrate.
+/// read the wrench.
 fn with_allowed_changes(current: &wire::Controller, new: &wire::Controller) -> wire::Controller {
     let mut changed = wire::Controller { method: new.method, solver: new.solver, why: new.why, ..current.clone() };
     for (task, new) in changed.tasks.iter_mut().zip(&new.tasks) {
         if let (Some(law), Some(new)) = (&mut task.law, &new.law)
             && std::mem::discriminant(law) == std::mem::discriminant(new)
-            && law.integrates()
+            && law.reads_wrench()
         {
             law.clone_from(new);
         }

@@ -259,6 +259,7 @@ fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wi
         solve_us: single(answer.elapsed_us),
         round_trip_us: single(round_trip.as_secs_f64() * 1e6),
         answered: sample.answered,
+        channels: answer.channels.iter().map(|(name, value)| (name.clone(), single(*value))).collect(),
     }
 }
 

@@ -8,13 +8,25 @@ pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Comma
     for (task, target) in controller.config().tasks.iter().zip(&command.targets) {
         let Some(report) = target.streamed else { continue };
         warnings.extend(late(task, &report));
-        if let Some(Ignored::Older { time_s, newest_s }) = report.ignored {
-            warnings.push(format!(
-                "task `{}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
-                 the order of their times",
-                task.name
-            ));
-        }
+        warnings.extend(report.ignored.and_then(|ignored| unused(&task.name, ignored)));
+    }
+}
+
+fn unused(task: &str, ignored: Ignored) -> Option<String> {
+    match ignored {
+        Ignored::Repeated => None,
+        Ignored::Older { time_s, newest_s } => Some(format!(
+            "task `{task}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
+             the order of their times"
+        )),
+        Ignored::Late { last_s } => Some(format!(
+            "task `{task}`: the chunk is ignored, because its last action was due at {last_s} s; send more actions, or align the \
+             chunk by `progress`"
+        )),
+        Ignored::Full => Some(format!(
+            "task `{task}`: the chunk is ignored, because it begins after too many actions of earlier chunks; send chunks that \
+             begin earlier"
+        )),
     }
 }
 

@@ -106,6 +106,7 @@ impl Pilot {
             self.clock += random.between(-1e3, 1e3);
         }
         let state = wire::State {
+            channels: BTreeMap::new(),
             wrenches: BTreeMap::new(),
             obstacles: Vec::new(),
             sequence: self.sequence,
@@ -213,6 +214,7 @@ pub fn wild_state(design: &Design, sequence: u64, random: &mut Random) -> wire::
     let position: Vec<f64> = joints.iter().map(place).collect();
     let velocity: Vec<f64> = joints.iter().map(|_| random.between(-5.0, 5.0)).collect();
     wire::State {
+        channels: BTreeMap::new(),
         wrenches: BTreeMap::new(),
         obstacles: Vec::new(),
         sequence,

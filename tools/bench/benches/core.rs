@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use divan::{Bencher, black_box};
+use nalgebra::IsometryMatrix3;
 use revprio::service::{solver, stepper};
 use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, TaskConfig};
-use revprio_core::law::{Law, Profile};
+use revprio_core::law::{Law, PositionLaw, Profile};
 use revprio_core::limits::{JointMotion, LimitKind, VelocityBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, Resolution, Resolver, Solver};
 use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_core::task::{Task, TaskStack};
-use revprio_robot::kinematics::{Axis, AxisSelection, Configuration, TaskFrame};
-use revprio_robot::{RobotModel, built_in};
+use revprio_robot::kinematics::{Axis, AxisSelection, BodyFrame, Configuration, TaskBody, TaskFrame};
+use revprio_robot::{RobotModel, UrdfTip, UrdfTreeOptions, built_in};
 
 const POSTURE: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
 
@@ -158,22 +159,68 @@ fn controller_step(bencher: Bencher, solver: Solver) {
     let controller =
         Controller::new(ControllerConfig { solver, limits, ..ControllerConfig::new(sawyer(), 1e-3, tasks) }).unwrap();
     let (mut stepper, mut memory) = (stepper(controller).unwrap(), None);
-    let joint_position = POSTURE.to_vec();
-    let mut measured = Measurement {
-        wrenches: Vec::new(),
-        obstacles: Vec::new(),
-        time_s: 0.0,
-        joint_position,
-        joint_velocity: None,
-        wrench: [0.0; 6],
-        targets: Vec::new(),
-    };
+    let mut measured = at_rest();
     bencher.bench_local(|| {
         let command = stepper.step(&mut memory, &measured).unwrap();
         let speeds = command.resolution.joint_velocity.iter();
         measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += 1e-3 * speed);
         measured.time_s += 1e-3;
     });
+}
+
+/// A control period of two arms with 14 joints: the pose of one hand seen from the other, the poses of both hands, and all limits.
+#[divan::bench(sample_count = 1000, sample_size = 1)]
+fn controller_step_of_two_arms(bencher: Bencher) {
+    let text = include_str!("../../../examples/robots/two_pandas.urdf");
+    let hands = ["left_link8", "right_link8"];
+    let tips = hands.map(|link| UrdfTip { name: link, link, offset: IsometryMatrix3::identity() });
+    let robot = RobotModel::from_urdf_tree(text, &UrdfTreeOptions { tips: &tips, ..UrdfTreeOptions::default() });
+    let robot = Arc::new(robot.unwrap());
+    let [left, right] = hands.map(|name| BodyFrame::from(robot.tip(name).unwrap()));
+    let task = |name: &str, body: TaskBody, amplitude: f64| {
+        let frame = TaskFrame { body: Some(body), ..TaskFrame::default() };
+        let mut rows = ToolRows { frame, ..ToolRows::new(AxisSelection::new(&Axis::ALL).unwrap()) };
+        let swing = vec![0.0, amplitude, amplitude, 0.0, 0.0, 0.0];
+        rows.target_displacement = Some(Profile::sine(vec![0.0; 6], swing, 2.0, 0.0).unwrap());
+        let law = Law::Position(PositionLaw::new(vec![8.0; 6]).unwrap());
+        TaskConfig {
+            name: name.to_owned(),
+            rows: TaskRows::Tool(rows),
+            law,
+            scaled: false,
+            streaming: Streaming::default(),
+        }
+    };
+    let tasks = vec![
+        task("hold", TaskBody { body: right, relative_to: Some(left) }, 0.0),
+        task("left", TaskBody { body: left, relative_to: None }, 0.1),
+        task("right", TaskBody { body: right, relative_to: None }, 0.1),
+    ];
+    let controller = Controller::new(ControllerConfig::new(robot, 1e-3, tasks)).unwrap();
+    let (mut stepper, mut memory) = (stepper(controller).unwrap(), None);
+    let home = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+    let mut measured = Measurement { joint_position: [home, home].concat(), ..at_rest() };
+    bencher.bench_local(|| {
+        let command = stepper.step(&mut memory, &measured).unwrap();
+        let speeds = command.resolution.joint_velocity.iter();
+        measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += 1e-3 * speed);
+        measured.time_s += 1e-3;
+    });
+}
+
+/// A state of the Sawyer without wrench and targets.
+fn at_rest() -> Measurement {
+    Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
+        wrenches: Vec::new(),
+        obstacles: Vec::new(),
+        time_s: 0.0,
+        joint_position: POSTURE.to_vec(),
+        joint_velocity: None,
+        wrench: [0.0; 6],
+        targets: Vec::new(),
+    }
 }
 
 /// The robot's own limits at a state.

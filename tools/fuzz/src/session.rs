@@ -41,6 +41,7 @@ pub fn check(service: &TimedService, input: &[u8]) -> Result<(), Defect> {
 /// A state at the middle of the ranges of most arms.
 fn default_state(joints: usize) -> State {
     State {
+        channels: BTreeMap::new(),
         wrenches: BTreeMap::new(),
         obstacles: Vec::new(),
         sequence: 1,

@@ -28,6 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (time_s, joint_position) = (i as f64 * request.period_s, q.clone());
             let start = Instant::now();
             let measurement = Measurement {
+                channels: Vec::new(),
+                chunks: Vec::new(),
                 wrenches: Vec::new(),
                 obstacles: Vec::new(),
                 time_s,

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyComplex, PyMapping};
 use revprio::service::ApiError;
-use revprio_api::wire::{JointVector, ObstacleState, StreamedTarget, Wrench};
+use revprio_api::wire::{ChannelInput, JointVector, ObstacleState, StreamedTarget, Wrench};
 
 use crate::outcome::refused;
 
@@ -62,6 +62,11 @@ pub fn obstacles(py: Python<'_>, json: &[u8]) -> PyResult<Vec<ObstacleState>> {
 /// Reads the wrenches of tips in JSON.
 pub fn wrenches(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, Wrench>> {
     serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/wrenches", error)))
+}
+
+/// Reads channels by name in JSON.
+pub fn channels(py: Python<'_>, json: &[u8]) -> PyResult<BTreeMap<String, ChannelInput>> {
+    serde_json::from_slice(json).map_err(|error| refused(py, ApiError::invalid("/channels", error)))
 }
 
 /// Converts with `numpy.asarray`.

@@ -81,8 +81,11 @@ impl Controller {
     }
 }
 
-/// What arrived with a state: targets, obstacles and wrenches, in JSON.
-type Arrived<'py> = (Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>, Option<Bound<'py, PyBytes>>);
+/// A part of a state in JSON, if there is one.
+type Json<'py> = Option<Bound<'py, PyBytes>>;
+
+/// What arrived with a state: targets, obstacles, wrenches and channels.
+type Arrived<'py> = (Json<'py>, Json<'py>, Json<'py>, Json<'py>);
 
 #[pymethods]
 impl Controller {
@@ -98,7 +101,7 @@ impl Controller {
         Ok(self.lock()?.warnings().to_vec())
     }
 
-    /// Runs one control period. `arrived`: new targets by task name, where obstacles are, and the wrenches of other tips than the tool, in JSON. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
+    /// Runs one control period. `arrived`: new targets by task name, where obstacles are, the wrenches of other tips than the tool, and channels by name, in JSON. Returns the fields of the answer that a control loop needs, and the answer as `_answer`.
     #[pyo3(signature = (sequence, time_s, joint_position, joint_velocity, wrench, arrived, /))]
     fn step<'py>(
         &self,
@@ -111,7 +114,7 @@ impl Controller {
     ) -> PyResult<Bound<'py, PyDict>> {
         let py = joint_position.py();
         let velocity = |value| arguments::joint_vector(value, "/joint_velocity");
-        let (targets, obstacles, wrenches) = arrived;
+        let (targets, obstacles, wrenches, channels) = arrived;
         let state = wire::State {
             sequence,
             time_s: arguments::time(time_s)?,
@@ -120,6 +123,7 @@ impl Controller {
             wrench: wrench.map(arguments::wrench).transpose()?,
             targets: targets.map(|json| arguments::targets(py, json.as_bytes())).transpose()?.unwrap_or_default(),
             obstacles: obstacles.map(|json| arguments::obstacles(py, json.as_bytes())).transpose()?.unwrap_or_default(),
+            channels: channels.map(|json| arguments::channels(py, json.as_bytes())).transpose()?.unwrap_or_default(),
             wrenches: wrenches.map(|json| arguments::wrenches(py, json.as_bytes())).transpose()?.unwrap_or_default(),
         };
         let answer = without_lock(py, || Ok::<_, Forked>(self.lock()?.step(&state)))?;

@@ -14,6 +14,7 @@ are NumPy arrays. Requests accept anything that NumPy converts to an array.
 """
 
 from revprio.aio import AsyncClient as AsyncClient
+from revprio.chunks import chunk as chunk
 from revprio.client import Client as Client
 from revprio.connection import LOCAL
 from revprio.connection import connect as connect
@@ -30,6 +31,7 @@ from revprio.pace import SlowLoopWarning as SlowLoopWarning
 from revprio.presets import characteristic_length as characteristic_length
 from revprio.presets import follow as follow
 from revprio.presets import push as push
+from revprio.presets import push_with_damping as push_with_damping
 from revprio.remote import Session as Session
 from revprio.remote import Stateless as Stateless
 from revprio.remote import Stream as Stream

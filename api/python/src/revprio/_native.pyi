@@ -24,7 +24,7 @@ class Controller:
         joint_position: object,
         joint_velocity: object,
         wrench: object,
-        arrived: tuple[bytes | None, bytes | None, bytes | None],
+        arrived: tuple[bytes | None, bytes | None, bytes | None, bytes | None],
         /,
     ) -> dict[str, Any]: ...
 

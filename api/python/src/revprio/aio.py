@@ -15,6 +15,7 @@ from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, Revpri
 from revprio.models import (
     BatchItem,
     BatchRequest,
+    ChannelInput,
     ControllerConfig,
     CreatedController,
     KinematicsAnswer,
@@ -252,10 +253,18 @@ class AsyncController(ABC):
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
         wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
+        channels: Mapping[str, ChannelInput] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
         state = self._numbering.state(
-            joint_position, joint_velocity, wrench, time_s, targets=targets, obstacles=obstacles, wrenches=wrenches
+            joint_position,
+            joint_velocity,
+            wrench,
+            time_s,
+            targets=targets,
+            obstacles=obstacles,
+            wrenches=wrenches,
+            channels=channels,
         )
         return await self.step_state(state)
 

@@ -9,7 +9,7 @@ from typing import Any, Self
 from revprio import native
 from revprio._native import RefusedError
 from revprio.bodies import ArrayLike, JointVector
-from revprio.models import ControllerConfig, ObstacleState, State, StepAnswer, StreamedTarget, Wrench
+from revprio.models import ChannelInput, ControllerConfig, ObstacleState, State, StepAnswer, StreamedTarget, Wrench
 from revprio.native import LazyStepAnswer, set_fields
 from revprio.typed import fields_of
 
@@ -60,6 +60,7 @@ class Controller:
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
         wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
+        channels: Mapping[str, ChannelInput] | None = None,
     ) -> StepAnswer:
         """Runs one control period.
 
@@ -70,6 +71,7 @@ class Controller:
         `targets`: new targets by task name, as in teleoperation; default: none. The service interpolates between them.
         `obstacles`: where the moving obstacles of the controller are; each must be named. Default: none.
         `wrenches`: those of other tips than the tool, by the name of the tip. Default: none.
+        `channels`: what arrived for channels besides the joints, such as a gripper, by name. Default: nothing.
 
         Returns `joint_velocity`, n, rad/s or m/s. It is valid for `valid_for_ms` from the moment of measurement; see
         `Watchdog`. With a service: if an answer is lost, the client sends the state again with the same sequence
@@ -83,8 +85,10 @@ class Controller:
         sent = None if targets is None else native.targets_json(targets)
         moved = None if obstacles is None else native.obstacles_json(obstacles)
         others = None if wrenches is None else native.wrenches_json(wrenches)
+        besides = None if channels is None else native.channels_json(channels)
         try:
-            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, (sent, moved, others))
+            arrived = (sent, moved, others, besides)
+            fields = self._native.step(sequence, time_s, joint_position, joint_velocity, wrench, arrived)
         except RefusedError as refusal:
             raise native.problem(refusal) from None
         answer = new(LazyStepAnswer)
@@ -116,6 +120,7 @@ class Controller:
             targets=state.targets,
             obstacles=state.obstacles,
             wrenches=state.wrenches,
+            channels=state.channels,
         )
 
     def __reduce__(self) -> str:

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from revprio.bodies import ArrayLike, FloatArray, JointVector
 from revprio.controller import Controller
 from revprio.errors import RevprioError
-from revprio.models import ObstacleState, StepAnswer, StreamedTarget, Wrench
+from revprio.models import ChannelInput, ObstacleState, StepAnswer, StreamedTarget, Wrench
 from revprio.pace import Drive, Pace, SlowLoopWarning
 from revprio.watchdog import Watchdog
 
@@ -33,6 +33,8 @@ class Measurement:
     """Where the moving obstacles of the controller are."""
     wrenches: Mapping[str, Wrench | ArrayLike] | None = None
     """The wrenches of other tips than the tool, by the name of the tip."""
+    channels: Mapping[str, ChannelInput] | None = None
+    """What arrived for channels besides the joints, by name."""
 
 
 def drive(

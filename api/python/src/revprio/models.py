@@ -41,13 +41,27 @@ __all__ = [
     "CertifiedLevel",
     "CertifiedProblem",
     "ChainView",
+    "Channel",
+    "ChannelInput",
+    "ChannelKind",
+    "ChannelMemory",
+    "ChannelTarget",
+    "ChunkAction",
+    "ChunkAlign",
+    "ChunkMemory",
+    "ChunkStatus",
     "CollisionPairs",
     "CollisionReport",
     "CollisionRows",
     "Collisions",
     "ConstantProfile",
     "Contact",
+    "ContactFault",
     "ContactKind",
+    "ContactLaw",
+    "ContactMemory",
+    "ContactReport",
+    "ContactState",
     "Contradiction",
     "ContradictionMember",
     "ControllerConfig",
@@ -60,6 +74,7 @@ __all__ = [
     "Environment",
     "EnvironmentAxis",
     "ExplicitLimits",
+    "Fade",
     "Faults",
     "ForceLaw",
     "Frame",
@@ -101,6 +116,7 @@ __all__ = [
     "NullSpaceMotion",
     "NullSpaceVelocity",
     "Obstacle",
+    "ObstacleMotion",
     "ObstacleState",
     "Orientation",
     "Outage",
@@ -481,6 +497,76 @@ class SolverReport(Answer):
     """Number of working sets (sets of active limits) that the solver `auto` tried; 0 with the others."""
 
 
+class ChunkStatus(Answer):
+    """The chunk that a task follows.
+
+    Fields:
+
+    - actions_left: Number of actions to come.
+    - ends_in_s: Time until the last action, s; negative after it.
+    - dropped: Number of actions of a chunk of this state that were past; absent if none came or it was ignored.
+    - shift_s: Time by which the actions of a chunk of this state were moved, s; absent if none came or it was
+      ignored.
+    """
+
+    actions_left: int
+    """Number of actions to come."""
+    ends_in_s: float
+    """Time until the last action, s; negative after it."""
+    dropped: int | None = None
+    """Number of actions of a chunk of this state that were past; absent if none came or it was ignored."""
+    shift_s: float | None = None
+    """Time by which the actions of a chunk of this state were moved, s; absent if none came or it was ignored."""
+
+
+ContactState = Literal["approach", "contact", "loss", "fault"]
+"""The state of a contact."""
+
+ContactFault = Literal["pull", "stays_in_retreat", "force_limit"]
+"""Why a contact is given up."""
+
+
+class ContactReport(Answer):
+    """The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
+
+    Fields:
+
+    - approach_speed: Approach speed of this period, m/s or rad/s.
+    - energy_j: Energy that the law may still give to the surface, J.
+    - predicted_force: Predicted force if all later commands are zero, N or N·m; 0 without contact.
+    - state: State of the contact.
+    - stiffness_bound: Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the
+      stiffest contact.
+    - surface_velocity: Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
+    - unavoidable_peak: Peak force that no controller can avoid at this approach speed in the stiffest contact, N or
+      N·m.
+    - fault: Why the contact is given up; only in the state `fault`.
+    - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
+    - stiffness_uncertainty: Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    """
+
+    approach_speed: float
+    """Approach speed of this period, m/s or rad/s."""
+    energy_j: float
+    """Energy that the law may still give to the surface, J."""
+    predicted_force: float
+    """Predicted force if all later commands are zero, N or N·m; 0 without contact."""
+    state: ContactState
+    """State of the contact."""
+    stiffness_bound: float
+    """Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the stiffest contact."""
+    surface_velocity: float
+    """Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s."""
+    unavoidable_peak: float
+    """Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m."""
+    fault: ContactFault | None = None
+    """Why the contact is given up; only in the state `fault`."""
+    stiffness: float | None = None
+    """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
+    stiffness_uncertainty: float | None = None
+    """Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known."""
+
+
 TargetState = Literal["following", "extrapolating", "holding", "braking"]
 """Where the streamed target of a period comes from."""
 
@@ -499,6 +585,8 @@ class TaskOutcome(Answer):
       the achieved one.
     - residual_norm: Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation.
     - active_rows: Active rows of a task with bounds: rows that reach a bound and restrict the answer.
+    - chunk: The chunk of actions that the task follows; absent if none came.
+    - contact: Contact of each row with the law `contact`; absent for other laws.
     - scale: Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction.
     - target_age_s: Time of the state minus time of the newest streamed target, s; negative if the target lies
       ahead.
@@ -523,6 +611,10 @@ class TaskOutcome(Answer):
     """Norm of the residual, ‖J_k q̇ − ẋ_k‖; for a task with bounds the norm of their violation."""
     active_rows: list[ActiveRow] = Field(default_factory=list)
     """Active rows of a task with bounds: rows that reach a bound and restrict the answer."""
+    chunk: ChunkStatus | None = None
+    """The chunk of actions that the task follows; absent if none came."""
+    contact: list[ContactReport] = Field(default_factory=list)
+    """Contact of each row with the law `contact`; absent for other laws."""
     scale: float | None = None
     """Factor s of a task with `"scale": true`, J_k q̇ = s ẋ_k; absent if no factor keeps its direction."""
     target_age_s: float | None = None
@@ -1154,6 +1246,331 @@ class Capsule(Body):
     """One end of the segment, m; of an obstacle in the base frame, of a link in its frame. Shape: 3."""
 
 
+ChannelKind = Literal["position", "force"]
+"""What the number of a channel is."""
+
+
+class ConstantProfile(Tagged):
+    """A constant value.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - value: Constant value.
+    """
+
+    kind: Literal["constant"] = "constant"
+    """Selects the variant."""
+    value: ArrayLike
+    """Constant value."""
+
+
+class SineProfile(Tagged):
+    """A sine: offset + amplitude sin(ω t + φ).
+
+    Fields:
+
+    - amplitude: Amplitude.
+    - angular_frequency_rad_s: Angular frequency ω, rad/s.
+    - kind: Selects the variant.
+    - offset: Mean value.
+    - phase_rad: Phase φ, rad; default 0.
+    """
+
+    amplitude: ArrayLike
+    """Amplitude."""
+    angular_frequency_rad_s: float
+    """Angular frequency ω, rad/s."""
+    kind: Literal["sine"] = "sine"
+    """Selects the variant."""
+    offset: ArrayLike
+    """Mean value."""
+    phase_rad: float | None = None
+    """Phase φ, rad; default 0."""
+
+
+class RampProfile(Tagged):
+    """A linear change from one value to another, constant before and after.
+
+    Fields:
+
+    - duration_s: Duration, s; at least 1e-6.
+    - end: Value after the ramp.
+    - kind: Selects the variant.
+    - start: Value before the ramp.
+    - start_time_s: Start time, s; default 0.
+    """
+
+    duration_s: float
+    """Duration, s; at least 1e-6."""
+    end: ArrayLike
+    """Value after the ramp."""
+    kind: Literal["ramp"] = "ramp"
+    """Selects the variant."""
+    start: ArrayLike
+    """Value before the ramp."""
+    start_time_s: float | None = None
+    """Start time, s; default 0."""
+
+
+class ProfilePoint(Body):
+    """A value at a time.
+
+    Fields:
+
+    - time_s: Time t, s.
+    - value: Value at that time.
+    """
+
+    time_s: float
+    """Time t, s."""
+    value: ArrayLike
+    """Value at that time."""
+
+
+class StepsProfile(Tagged):
+    """The value of the last point passed; before the first point, its value.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - points: Points in the order of their times.
+    """
+
+    kind: Literal["steps"] = "steps"
+    """Selects the variant."""
+    points: list[ProfilePoint]
+    """Points in the order of their times."""
+
+
+class WaypointsProfile(Tagged):
+    """A smooth curve through all points, at rest at the first and the last point.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - points: Points in the order of their times.
+    """
+
+    kind: Literal["waypoints"] = "waypoints"
+    """Selects the variant."""
+    points: list[ProfilePoint]
+    """Points in the order of their times."""
+
+
+if TYPE_CHECKING:
+    Profile = ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile | AnyArrayLike
+else:
+    Profile = Annotated[
+        Annotated[
+            ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile, Field(discriminator="kind")
+        ],
+        BeforeValidator(constant),
+    ]
+"""A set-point over time, on the clock of the states. On the clock of Unix (times above 1e9 s) it counts from the
+first state. A number or an array is a constant."""
+
+
+class Channel(Body):
+    """A channel besides the joints, such as a gripper: one number that passes through the controller with its timing,
+    within a range and a rate. It never moves the arm.
+
+    Fields:
+
+    - kind: What the number is.
+    - lower: Smallest command: m or rad for a position, N or N·m for a force.
+    - max_rate: Largest change of the command, per second.
+    - name: Name, unique in the controller. States, actions and answers use it.
+    - upper: Largest command.
+    - target: Target over time until a state brings another one, one row; default: the channel has no command before
+      its first target.
+    """
+
+    kind: ChannelKind
+    """What the number is."""
+    lower: float
+    """Smallest command: m or rad for a position, N or N·m for a force."""
+    max_rate: float
+    """Largest change of the command, per second."""
+    name: str
+    """Name, unique in the controller. States, actions and answers use it."""
+    upper: float
+    """Largest command."""
+    target: Profile | None = None
+    """Target over time until a state brings another one, one row; default: the channel has no command before its first
+    target."""
+
+
+class ChannelInput(Body):
+    """What a state brings for a channel.
+
+    Fields:
+
+    - measured: Measured number, from which the first command starts; default: the first command is the first
+      target.
+    - target: Target from now on, in place of all that came before; default: as before.
+    """
+
+    measured: float | None = None
+    """Measured number, from which the first command starts; default: the first command is the first target."""
+    target: float | None = None
+    """Target from now on, in place of all that came before; default: as before."""
+
+
+class ChannelTarget(Body):
+    """A target of a channel in the memory.
+
+    Fields:
+
+    - time_s: Time at which it is due, s.
+    - value: The number.
+    """
+
+    time_s: float
+    """Time at which it is due, s."""
+    value: float
+    """The number."""
+
+
+class ChannelMemory(Body):
+    """A channel in the memory.
+
+    Fields:
+
+    - channel: Name of the channel.
+    - command: Last command; default: none was given.
+    - targets: Targets that still count; default: none.
+    """
+
+    channel: str
+    """Name of the channel."""
+    command: float | None = None
+    """Last command; default: none was given."""
+    targets: list[ChannelTarget] | None = None
+    """Targets that still count; default: none."""
+
+
+class StreamedPose(Body):
+    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
+
+    Fields:
+
+    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
+    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    """
+
+    orientation: Orientation | None = None
+    """Orientation, unit quaternion; required if the task has an angular axis."""
+    position: Vector | None = None
+    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+
+
+class ChunkAction(Body):
+    """An action of a chunk: a target with the time at which it is due. Position and orientation are those of a
+    `pose`.
+
+    Fields:
+
+    - time_s: Time on the clock of the states, s; later than that of the action before it by at least 1 µs, and at
+      most 10 s after the state.
+    - channels: Targets of channels of the controller by name, due with the action; default: none.
+    - force: Target force F_d per row, N and N·m.
+    - gripper: Target of the channel `gripper` of the controller, due with the action.
+    - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
+    - orientation: Target orientation, unit quaternion; required if the task has an angular axis.
+    - pose: Target pose, in place of `position` and `orientation`.
+    - position: Target position x, y, z, m; required if the task has a linear axis. Shape: 3.
+    - velocity: Target velocity of a task with the law `velocity`, per row, m/s and rad/s.
+    """
+
+    time_s: float
+    """Time on the clock of the states, s; later than that of the action before it by at least 1 µs, and at most 10 s
+    after the state."""
+    channels: dict[str, float] | None = None
+    """Targets of channels of the controller by name, due with the action; default: none."""
+    force: Vector | None = None
+    """Target force F_d per row, N and N·m."""
+    gripper: float | None = None
+    """Target of the channel `gripper` of the controller, due with the action."""
+    joint_position: JointVector | None = None
+    """Target positions of the joints of the task, in their order or by name, rad or m."""
+    orientation: Orientation | None = None
+    """Target orientation, unit quaternion; required if the task has an angular axis."""
+    pose: StreamedPose | None = None
+    """Target pose, in place of `position` and `orientation`."""
+    position: Vector | None = None
+    """Target position x, y, z, m; required if the task has a linear axis. Shape: 3."""
+    velocity: Vector | None = None
+    """Target velocity of a task with the law `velocity`, per row, m/s and rad/s."""
+
+
+ChunkAlign = Literal["time", "progress"]
+"""Which actions of a chunk that comes late are past."""
+
+
+class LaterTarget(Body):
+    """A target of a later time in the memory.
+
+    Fields:
+
+    - time_s: Time of the target, s.
+    - pose: Pose in the base frame, m.
+    - values: Values per row, if the target is not a pose.
+    """
+
+    time_s: float
+    """Time of the target, s."""
+    pose: Pose | None = None
+    """Pose in the base frame, m."""
+    values: Vector | None = None
+    """Values per row, if the target is not a pose."""
+
+
+class Fade(Body):
+    """An offset that fades, in the memory: of a pose linear and angular in base axes, otherwise per row.
+
+    Fields:
+
+    - acceleration: Second derivative of the offset at the start, per second².
+    - duration_s: Time that it takes, s.
+    - offset: Offset at the start.
+    - rate: Rate of the offset at the start, per second.
+    - start_s: Time at which it began, s.
+    """
+
+    acceleration: Vector
+    """Second derivative of the offset at the start, per second²."""
+    duration_s: float
+    """Time that it takes, s."""
+    offset: Vector
+    """Offset at the start."""
+    rate: Vector
+    """Rate of the offset at the start, per second."""
+    start_s: float
+    """Time at which it began, s."""
+
+
+class ChunkMemory(Body):
+    """The chunks that a task follows, in the memory.
+
+    Fields:
+
+    - first_s: Time of the first action of the newest chunk, as it was sent, s.
+    - merged_s: Time of the state with which it came, s.
+    - actions: The actions that still count, at the times at which they are due; default: none.
+    - fade: What is left of the motion before the newest chunk; default: nothing.
+    """
+
+    first_s: float
+    """Time of the first action of the newest chunk, as it was sent, s."""
+    merged_s: float
+    """Time of the state with which it came, s."""
+    actions: list[LaterTarget] | None = None
+    """The actions that still count, at the times at which they are due; default: none."""
+    fade: Fade | None = None
+    """What is left of the motion before the newest chunk; default: nothing."""
+
+
 class CollisionPairs(Body):
     """Pairs of links of which nothing is watched.
 
@@ -1353,127 +1770,6 @@ class Friction(Body):
     """Viscous friction B_t, N·s/m, during contact."""
 
 
-class ConstantProfile(Tagged):
-    """A constant value.
-
-    Fields:
-
-    - kind: Selects the variant.
-    - value: Constant value.
-    """
-
-    kind: Literal["constant"] = "constant"
-    """Selects the variant."""
-    value: ArrayLike
-    """Constant value."""
-
-
-class SineProfile(Tagged):
-    """A sine: offset + amplitude sin(ω t + φ).
-
-    Fields:
-
-    - amplitude: Amplitude.
-    - angular_frequency_rad_s: Angular frequency ω, rad/s.
-    - kind: Selects the variant.
-    - offset: Mean value.
-    - phase_rad: Phase φ, rad; default 0.
-    """
-
-    amplitude: ArrayLike
-    """Amplitude."""
-    angular_frequency_rad_s: float
-    """Angular frequency ω, rad/s."""
-    kind: Literal["sine"] = "sine"
-    """Selects the variant."""
-    offset: ArrayLike
-    """Mean value."""
-    phase_rad: float | None = None
-    """Phase φ, rad; default 0."""
-
-
-class RampProfile(Tagged):
-    """A linear change from one value to another, constant before and after.
-
-    Fields:
-
-    - duration_s: Duration, s; at least 1e-6.
-    - end: Value after the ramp.
-    - kind: Selects the variant.
-    - start: Value before the ramp.
-    - start_time_s: Start time, s; default 0.
-    """
-
-    duration_s: float
-    """Duration, s; at least 1e-6."""
-    end: ArrayLike
-    """Value after the ramp."""
-    kind: Literal["ramp"] = "ramp"
-    """Selects the variant."""
-    start: ArrayLike
-    """Value before the ramp."""
-    start_time_s: float | None = None
-    """Start time, s; default 0."""
-
-
-class ProfilePoint(Body):
-    """A value at a time.
-
-    Fields:
-
-    - time_s: Time t, s.
-    - value: Value at that time.
-    """
-
-    time_s: float
-    """Time t, s."""
-    value: ArrayLike
-    """Value at that time."""
-
-
-class StepsProfile(Tagged):
-    """The value of the last point passed; before the first point, its value.
-
-    Fields:
-
-    - kind: Selects the variant.
-    - points: Points in the order of their times.
-    """
-
-    kind: Literal["steps"] = "steps"
-    """Selects the variant."""
-    points: list[ProfilePoint]
-    """Points in the order of their times."""
-
-
-class WaypointsProfile(Tagged):
-    """A smooth curve through all points, at rest at the first and the last point.
-
-    Fields:
-
-    - kind: Selects the variant.
-    - points: Points in the order of their times.
-    """
-
-    kind: Literal["waypoints"] = "waypoints"
-    """Selects the variant."""
-    points: list[ProfilePoint]
-    """Points in the order of their times."""
-
-
-if TYPE_CHECKING:
-    Profile = ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile | AnyArrayLike
-else:
-    Profile = Annotated[
-        Annotated[
-            ConstantProfile | SineProfile | RampProfile | StepsProfile | WaypointsProfile, Field(discriminator="kind")
-        ],
-        BeforeValidator(constant),
-    ]
-"""A set-point over time, on the clock of the states. On the clock of Unix (times above 1e9 s) it counts from the
-first state. A number or an array is a constant."""
-
-
 class Contact(Body):
     """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.  Paper: Eq.
     (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and acceleration are
@@ -1512,6 +1808,74 @@ class Contact(Body):
     offset_m: float | None = None
     """X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the
     negative direction. For a plane: the distance of the tool to it, against the normal."""
+
+
+class ContactMemory(Body):
+    """What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or
+    rad.
+
+    Fields:
+
+    - before_retreat: Sensed position when the tool last moved forward.
+    - contact_time_s: Time in contact since the last touch, or of suspicion before it, s.
+    - fault_position: Position at the fault.
+    - force: Force of the last state.
+    - hold_time_s: Time for which the force is near its target, s, up to the time after which the contact is held.
+    - is_above: Whether the force is above its target.
+    - means: Running means of sensed position and force. Shape: 2.
+    - position: Modelled position of the tool since the first step.
+    - return_speed: Largest speed of the way back to a lost surface, m/s or rad/s.
+    - sensed_position: The same as the force sensor sees it.
+    - spent_j: Energy that the surface got, less what its motion may cost, J.
+    - state: State of the contact.
+    - stiffness: Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3.
+    - sums: Sums of the squared position, position times force, the squared force, and the number of samples. Shape:
+      4.
+    - surface: Position of the surface.
+    - surface_motion: Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape:
+      3.
+    - swing: Factor of the upper bound, and the largest difference from the target force since the force last
+      crossed it and before. Shape: 3.
+    - fault: Why the contact is given up; only in the state `fault`.
+    """
+
+    before_retreat: float
+    """Sensed position when the tool last moved forward."""
+    contact_time_s: float
+    """Time in contact since the last touch, or of suspicion before it, s."""
+    fault_position: float
+    """Position at the fault."""
+    force: float
+    """Force of the last state."""
+    hold_time_s: float
+    """Time for which the force is near its target, s, up to the time after which the contact is held."""
+    is_above: bool
+    """Whether the force is above its target."""
+    means: Vector
+    """Running means of sensed position and force. Shape: 2."""
+    position: float
+    """Modelled position of the tool since the first step."""
+    return_speed: float
+    """Largest speed of the way back to a lost surface, m/s or rad/s."""
+    sensed_position: float
+    """The same as the force sensor sees it."""
+    spent_j: float
+    """Energy that the surface got, less what its motion may cost, J."""
+    state: ContactState
+    """State of the contact."""
+    stiffness: Vector
+    """Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3."""
+    sums: Vector
+    """Sums of the squared position, position times force, the squared force, and the number of samples. Shape: 4."""
+    surface: float
+    """Position of the surface."""
+    surface_motion: Vector
+    """Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape: 3."""
+    swing: Vector
+    """Factor of the upper bound, and the largest difference from the target force since the force last crossed it and
+    before. Shape: 3."""
+    fault: ContactFault | None = None
+    """Why the contact is given up; only in the state `fault`."""
 
 
 class VelocityLaw(Tagged):
@@ -1656,6 +2020,61 @@ class LookAtLaw(Tagged):
     limits alone."""
 
 
+class ContactLaw(Tagged):
+    """Pressing on a surface of unknown stiffness. The tool approaches the surface, presses with the target force and
+    follows the surface. It needs no gains: the recommended law for contacts. Each axis of the task presses by
+    itself.
+
+    Fields:
+
+    - kind: Selects the variant.
+    - target_force: Target force F_d, N and N·m, along the axes of the task. Its sign is the direction in which the
+      tool presses. A target below five times the noise is raised to it.
+    - approach_speed: Speed at which the tool approaches the surface, and largest speed at which it presses, m/s and
+      rad/s. A faster approach costs the peak force that the answer names; default: the largest that keeps the peak
+      below 1.2 times the target force in the stiffest contact.
+    - bias: Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to
+      this error are no contact; default 0.
+    - max_acceleration: Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5
+      m/s² and 50 rad/s².
+    - max_force: Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other
+      tasks, and after the limits of the joints; default: none.
+    - noise: Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m.
+    - retreat_speed: Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
+    - sensor_lag_s: Time constant of the filter of the force sensor, s; default 0.002.
+    - stiffest: Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface
+      in a row. Set it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
+    """
+
+    kind: Literal["contact"] = "contact"
+    """Selects the variant."""
+    target_force: Profile
+    """Target force F_d, N and N·m, along the axes of the task. Its sign is the direction in which the tool presses. A
+    target below five times the noise is raised to it."""
+    approach_speed: ArrayLike | None = None
+    """Speed at which the tool approaches the surface, and largest speed at which it presses, m/s and rad/s. A faster
+    approach costs the peak force that the answer names; default: the largest that keeps the peak below 1.2 times the
+    target force in the stiffest contact."""
+    bias: ArrayLike | None = None
+    """Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to this error
+    are no contact; default 0."""
+    max_acceleration: ArrayLike | None = None
+    """Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5 m/s² and 50
+    rad/s²."""
+    max_force: ArrayLike | None = None
+    """Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and
+    after the limits of the joints; default: none."""
+    noise: ArrayLike | None = None
+    """Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m."""
+    retreat_speed: ArrayLike | None = None
+    """Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s."""
+    sensor_lag_s: float | None = None
+    """Time constant of the filter of the force sensor, s; default 0.002."""
+    stiffest: ArrayLike | None = None
+    """Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface in a row. Set
+    it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad."""
+
+
 class ForceLaw(Tagged):
     """Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
 
@@ -1763,7 +2182,8 @@ class HybridLaw(Tagged):
 
 
 Law = Annotated[
-    VelocityLaw | PoseLaw | PostureLaw | LookAtLaw | ForceLaw | ImpedanceLaw | HybridLaw, Field(discriminator="kind")
+    VelocityLaw | PoseLaw | PostureLaw | LookAtLaw | ContactLaw | ForceLaw | ImpedanceLaw | HybridLaw,
+    Field(discriminator="kind"),
 ]
 """The law that computes the velocity of a task."""
 
@@ -1778,6 +2198,9 @@ class Streaming(Body):
       default 0.2.
     - delay_s: Delay with which targets are followed, s; default 0. A delay of one interval between targets makes
       the task interpolate instead of extrapolate.
+    - fade_s: Time in which the offset between a new chunk of actions and the motion before it fades, s; default
+      0.3; longer if it would need more than half of `max_acceleration`. 0: the task follows the new chunk as fast
+      as `max_velocity` and `max_acceleration` allow.
     - hold_after_s: Age of the newest target up to which it is extrapolated, s; after it the target is held; default
       0.05.
     - max_acceleration: Maximum acceleration of the target per row, m/s² and rad/s²; default: 5 m/s² and 10 rad/s²,
@@ -1793,6 +2216,10 @@ class Streaming(Body):
     delay_s: float | None = None
     """Delay with which targets are followed, s; default 0. A delay of one interval between targets makes the task
     interpolate instead of extrapolate."""
+    fade_s: float | None = None
+    """Time in which the offset between a new chunk of actions and the motion before it fades, s; default 0.3; longer if
+    it would need more than half of `max_acceleration`. 0: the task follows the new chunk as fast as `max_velocity` and
+    `max_acceleration` allow."""
     hold_after_s: float | None = None
     """Age of the newest target up to which it is extrapolated, s; after it the target is held; default 0.05."""
     max_acceleration: ArrayLike | None = None
@@ -1988,6 +2415,7 @@ class ControllerConfig(Body):
     - tasks: The tasks, highest priority first: put first what must not give way, such as contact or safety.
     - anti_windup: When integrators of laws follow the achieved velocity. Set another value only to reproduce the
       paper; default `always`.
+    - channels: Channels besides the joints, such as a gripper, at most 16; default: none.
     - characteristic_length_m: Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values,
       in damping, and where the rows of a task are weighed against each other. Set it to the reach of an arm that is
       much smaller or larger than 1 m; default 1.
@@ -2037,6 +2465,8 @@ class ControllerConfig(Body):
     anti_windup: AntiWindup | None = None
     """When integrators of laws follow the achieved velocity. Set another value only to reproduce the paper; default
     `always`."""
+    channels: list[Channel] | None = None
+    """Channels besides the joints, such as a gripper, at most 16; default: none."""
     characteristic_length_m: float | None = None
     """Characteristic length L, m: 1 m/s of the tool counts as 1/L rad/s in singular values, in damping, and where the
     rows of a task are weighed against each other. Set it to the reach of an arm that is much smaller or larger than 1
@@ -2357,24 +2787,6 @@ class KinematicsRequest(Body):
     """Tip or link from which they are seen, by its name; default: the base."""
 
 
-class LaterTarget(Body):
-    """A target of a later time in the memory.
-
-    Fields:
-
-    - time_s: Time of the target, s.
-    - pose: Pose in the base frame, m.
-    - values: Values per row, if the target is not a pose.
-    """
-
-    time_s: float
-    """Time of the target, s."""
-    pose: Pose | None = None
-    """Pose in the base frame, m."""
-    values: Vector | None = None
-    """Values per row, if the target is not a pose."""
-
-
 LeftOutReason = Literal[
     "gripper", "head", "leg_or_wheel", "sensor", "unsupported", "beyond_tip", "other_branch", "not_below_base"
 ]
@@ -2601,6 +3013,7 @@ class LiveSample(Answer):
     - task_residuals: Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest
       priority first.
     - time_s: Simulated time, s.
+    - channels: Commands of the channels by name.
     - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
     - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
     """
@@ -2641,6 +3054,8 @@ class LiveSample(Answer):
     """Achieved minus requested velocity J_k q̇ − ẋ_k per task and row, m/s and rad/s, highest priority first."""
     time_s: float
     """Simulated time, s."""
+    channels: dict[str, float] | None = None
+    """Commands of the channels by name."""
     kkt_residual: float | None = None
     """Relative residual of the optimality conditions; `null` if there is none."""
     wall_distance_m: float | None = None
@@ -2805,6 +3220,7 @@ class TargetStream(Body):
     - state: State of the last period.
     - task: Name of the task.
     - ahead: Targets of later times that came with the newest one; default: none.
+    - chunk: The chunks that the task follows; default: none came.
     - newest: The newest target.
     - previous: The target before it.
     """
@@ -2819,6 +3235,8 @@ class TargetStream(Body):
     """Name of the task."""
     ahead: list[LaterTarget] | None = None
     """Targets of later times that came with the newest one; default: none."""
+    chunk: ChunkMemory | None = None
+    """The chunks that the task follows; default: none came."""
     newest: TargetSample | None = None
     """The newest target."""
     previous: TargetSample | None = None
@@ -2882,6 +3300,9 @@ class Memory(Body):
     - last_command: Joint velocity of the last command, rad/s or m/s.
     - sequence: Sequence number of the last state.
     - task_velocities: Integrator velocity of each task, m/s and rad/s.
+    - channels: The channels of the controller; default: none had a target.
+    - contacts: What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next
+      state starts anew.
     - drive: The commands that the drive still has to follow; default: the last command for long.
     - in_transition: Whether the controller replaces another one and still limits accelerations for that; default:
       no.
@@ -2911,6 +3332,11 @@ class Memory(Body):
     """Sequence number of the last state."""
     task_velocities: list[Vector]
     """Integrator velocity of each task, m/s and rad/s."""
+    channels: list[ChannelMemory] | None = None
+    """The channels of the controller; default: none had a target."""
+    contacts: list[ContactMemory] | None = None
+    """What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next state starts
+    anew."""
     drive: DriveState | None = None
     """The commands that the drive still has to follow; default: the last command for long."""
     in_transition: bool | None = None
@@ -2939,6 +3365,21 @@ class Memory(Body):
     state counts as one period later, whatever its time."""
     virtual_arm: VirtualArm | None = None
     """The virtual arm of laws that look ahead; default: none, or the next state starts anew."""
+
+
+class ObstacleMotion(Body):
+    """How an obstacle of the controller moves.
+
+    Fields:
+
+    - displacement: How far it is from where the controller has it, over time: three values, base axes, m.
+    - name: Name of the obstacle, which has `moves: true`.
+    """
+
+    displacement: Profile
+    """How far it is from where the controller has it, over time: three values, base axes, m."""
+    name: str
+    """Name of the obstacle, which has `moves: true`."""
 
 
 class Sensor(Body):
@@ -3017,6 +3458,7 @@ class Scenario(Body):
     - external_wrench: External force and torque on the tool at the tool point, base axes, N and N·m: six values
       over time.
     - faults: Faults of the connection between arm and service.
+    - obstacle_motions: How obstacles of the controller move that have `moves: true`; those without a motion stand.
     - seed: Seed of noise and faults; the same seed gives the same run.
     - sensors: Errors of the sensors.
     - substeps: Integration steps of arm and contacts per period.
@@ -3041,6 +3483,8 @@ class Scenario(Body):
     """External force and torque on the tool at the tool point, base axes, N and N·m: six values over time."""
     faults: Faults | None = None
     """Faults of the connection between arm and service."""
+    obstacle_motions: list[ObstacleMotion] | None = None
+    """How obstacles of the controller move that have `moves: true`; those without a motion stand."""
     seed: int | None = None
     """Seed of noise and faults; the same seed gives the same run."""
     sensors: Sensors | None = None
@@ -3424,21 +3868,6 @@ class SessionStatus(Answer):
     """Number of steps that came more than 1.5 periods after the previous step."""
 
 
-class StreamedPose(Body):
-    """A target pose of the reference point, in the task's frame if that is a pose, otherwise in the base frame.
-
-    Fields:
-
-    - orientation: Orientation, unit quaternion; required if the task has an angular axis.
-    - position: Position x, y, z, m; required if the task has a linear axis. Shape: 3.
-    """
-
-    orientation: Orientation | None = None
-    """Orientation, unit quaternion; required if the task has an angular axis."""
-    position: Vector | None = None
-    """Position x, y, z, m; required if the task has a linear axis. Shape: 3."""
-
-
 class TargetAhead(Body):
     """A target of a later time. It has the same fields as the target with which it comes.
 
@@ -3466,6 +3895,10 @@ class StreamedTarget(Body):
 
     - ahead: Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default:
       unknown. Laws with `path` use it.
+    - align: Which actions of a `chunk` that comes late are past; default `time`.
+    - chunk: Actions of the next seconds, as a policy computes them at once, in place of the other fields: 1 to 256
+      of one kind, in the order of their times. The task follows a smooth curve through them. A chunk replaces the
+      actions of earlier ones from its first time on; the offset to the motion before it fades in `fade_s`.
     - force: Target force F_d per row, N and N·m.
     - joint_position: Target positions of the joints of the task, in their order or by name, rad or m.
     - pose: Target pose. It replaces `target_pose` and `target_displacement` of the law.
@@ -3478,6 +3911,12 @@ class StreamedTarget(Body):
     ahead: list[TargetAhead] | None = None
     """Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default: unknown. Laws
     with `path` use it."""
+    align: ChunkAlign | None = None
+    """Which actions of a `chunk` that comes late are past; default `time`."""
+    chunk: list[ChunkAction] | None = None
+    """Actions of the next seconds, as a policy computes them at once, in place of the other fields: 1 to 256 of one
+    kind, in the order of their times. The task follows a smooth curve through them. A chunk replaces the actions of
+    earlier ones from its first time on; the offset to the motion before it fades in `fade_s`."""
     force: Vector | None = None
     """Target force F_d per row, N and N·m."""
     joint_position: JointVector | None = None
@@ -3649,6 +4088,7 @@ class State(Body):
       same answer again.
     - time_s: Time t of the measurement, s, on any clock that runs evenly. Profiles count on the same clock; on the
       clock of Unix (times above 1e9 s) they count from the first state.
+    - channels: What arrived for the channels of the controller, by name; default: nothing.
     - joint_velocity: Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its
       velocities are noisy; default: the last command.
     - obstacles: Where the moving obstacles of the controller are; each must be named. Default: none.
@@ -3669,6 +4109,8 @@ class State(Body):
     time_s: float
     """Time t of the measurement, s, on any clock that runs evenly. Profiles count on the same clock; on the clock of
     Unix (times above 1e9 s) they count from the first state."""
+    channels: dict[str, ChannelInput] | None = None
+    """What arrived for the channels of the controller, by name; default: nothing."""
     joint_velocity: JointVector | None = None
     """Measured joint velocity q̇, rad/s or m/s. Omit it if the arm measures only positions or its velocities are noisy;
     default: the last command."""
@@ -3734,6 +4176,7 @@ class StepAnswer(Answer):
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
+    - channels: Commands of the channels by name, m, rad, N or N·m; a channel without target so far is absent.
     - collisions: Distances of the shapes; absent: the controller watches none.
     - contradictions: Contradictions: minimal sets of demands that cannot all be kept.
     - fading_since_s: Time since which the requests fade, s; default: they do not.
@@ -3778,6 +4221,8 @@ class StepAnswer(Answer):
     contain."""
     active_inequalities: list[ActiveInequality] = Field(default_factory=list)
     """Active inequalities."""
+    channels: dict[str, float] | None = None
+    """Commands of the channels by name, m, rad, N or N·m; a channel without target so far is absent."""
     collisions: CollisionReport | None = None
     """Distances of the shapes; absent: the controller watches none."""
     contradictions: list[Contradiction] = Field(default_factory=list)

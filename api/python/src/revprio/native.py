@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from revprio import _native
 from revprio.bodies import ArrayLike, Body
 from revprio.errors import ProblemError, problem_error
-from revprio.models import ObstacleState, Problem, ResolveAnswer, StepAnswer, StreamedTarget, Wrench
+from revprio.models import ChannelInput, ObstacleState, Problem, ResolveAnswer, StepAnswer, StreamedTarget, Wrench
 from revprio.states import as_wrenches
 
 DICT = BaseModel.__dict__["__dict__"]
@@ -83,6 +83,18 @@ def wrenches_json(wrenches: Mapping[str, Wrench | ArrayLike]) -> bytes:
     """Returns the JSON of the wrenches of a state."""
     each = as_wrenches(wrenches).items()
     return b"{" + b",".join(json.dumps(tip).encode() + b":" + wrench.json_bytes() for tip, wrench in each) + b"}"
+
+
+class Channels(Body):
+    """What arrived for channels by name."""
+
+    channels: dict[str, ChannelInput]
+
+
+def channels_json(channels: Mapping[str, ChannelInput]) -> bytes:
+    """Returns the JSON of the channels of a state."""
+    each = Channels(channels=dict(channels)).channels.items()
+    return b"{" + b",".join(json.dumps(name).encode() + b":" + channel.json_bytes() for name, channel in each) + b"}"
 
 
 def call(method: str, path: str, body: bytes) -> bytes:

@@ -14,6 +14,7 @@ from revprio.errors import InvalidError
 from revprio.models import (
     Axis,
     ConstantProfile,
+    ContactLaw,
     ControllerTask,
     EnvironmentAxis,
     ForceLaw,
@@ -51,6 +52,57 @@ def push(  # noqa: PLR0913
     hold: Literal["rest"] | Sequence[Axis] | None = "rest",
     *,
     period_s: float = 0.001,
+    lag_s: float = LAG_S,
+    delay_periods: int = DELAY_PERIODS,
+    approach_speed: float | None = None,
+    stiffest: float | None = None,
+    max_force: float | None = None,
+) -> list[ControllerTask]:
+    """Returns the tasks that press with a force along one axis, and hold other axes at their initial pose.
+
+    The law `contact` presses on a surface whose stiffness nobody knows; see docs/contact.md.
+
+    `axis`: axis of the base; `newtons`: target force on the environment, N (N·m for an axis of rotation). Its sign is
+    the direction in which the tool presses.
+    `hold`: axes of a second task, which has a lower priority; `"rest"`: all others; `None`: no second task.
+    `period_s`, `lag_s`, `delay_periods`: period T, s, lag of the arm's velocity loop, s, and delay of a command,
+    periods. They set the gain of the second task; the law reads those of the controller. The defaults are those of
+    `Controller(drive=…)`.
+    `approach_speed`: speed of the approach, m/s; default: the largest that keeps 1.2 times the force.
+    `stiffest`: stiffness of the stiffest contact, N/m; default: 1e6.
+    `max_force`: force at which the tool leaves, N; default: none.
+    """
+    if _finite("/newtons", newtons) == 0:
+        raise _invalid("/newtons", "give a force; its sign is the direction in which the tool presses")
+    for field, value in (("approach_speed", approach_speed), ("stiffest", stiffest), ("max_force", max_force)):
+        if value is not None and _finite(f"/{field}", value) <= 0:
+            raise _invalid(f"/{field}", "give a number above 0")
+    law = ContactLaw(
+        target_force=ConstantProfile(value=newtons),
+        approach_speed=approach_speed,
+        stiffest=stiffest,
+        max_force=max_force,
+    )
+    return _pushing(axis, law, hold, lag_s + delay_periods * period_s)
+
+
+def _pushing(
+    axis: Axis, law: ContactLaw | ForceLaw, hold: Literal["rest"] | Sequence[Axis] | None, to_rest_s: float
+) -> list[ControllerTask]:
+    """Returns the task with the law, and a second one that holds axes of an arm with this lag and delay together, s."""
+    held = [other for other in AXES if other != axis] if hold == "rest" else list(hold or [])
+    tasks = [ControllerTask(name="push", axes=axis, law=law)]
+    if held:
+        tasks.append(ControllerTask(name="hold", axes=held, law=PoseLaw(gain=pose_gain(to_rest_s))))
+    return tasks
+
+
+def push_with_damping(  # noqa: PLR0913
+    axis: Axis,
+    newtons: float,
+    hold: Literal["rest"] | Sequence[Axis] | None = "rest",
+    *,
+    period_s: float = 0.001,
     environment_stiffness: float = 1e4,
     lag_s: float = LAG_S,
     delay_periods: int = DELAY_PERIODS,
@@ -58,7 +110,9 @@ def push(  # noqa: PLR0913
     inertia: float = 15.0,
     approach_speed: float = 0.1,
 ) -> list[ControllerTask]:
-    """Returns the tasks that push with a force along one axis, and hold other axes at their initial pose.
+    """Returns the tasks that push with the law `force`, which must be told the stiffness of the contact.
+
+    Prefer `push`: it needs no stiffness. The law `force` is that of the paper.
 
     `axis`: axis of the base; `newtons`: target force on the environment, N (N·m for an axis of rotation).
     `hold`: axes of a second task, which has a lower priority; `"rest"`: all others; `None`: no second task.
@@ -96,12 +150,7 @@ def push(  # noqa: PLR0913
     if not all(margin(damping, stiffness).stable for stiffness in (environment_stiffness, 0.0)):
         raise _unstable()
     law = ForceLaw(inertia=inertia, damping=damping, target_force=ConstantProfile(value=newtons))
-    held = [other for other in AXES if other != axis] if hold == "rest" else list(hold or [])
-    tasks = [ControllerTask(name="push", axes=axis, law=law)]
-    if held:
-        gain = pose_gain(lag_s + delay_periods * period_s)
-        tasks.append(ControllerTask(name="hold", axes=held, law=PoseLaw(gain=gain)))
-    return tasks
+    return _pushing(axis, law, hold, lag_s + delay_periods * period_s)
 
 
 def _damping(contact: StabilityAnswer, free: StabilityAnswer, least: float) -> float:

@@ -16,6 +16,7 @@ from revprio.bodies import ArrayLike, JointVector
 from revprio.controller import Controller
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
+    ChannelInput,
     ControllerConfig,
     CreatedController,
     Memory,
@@ -51,10 +52,18 @@ class RemoteController(Controller):
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
         wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
+        channels: Mapping[str, ChannelInput] | None = None,
     ) -> StepAnswer:
         """As `Controller.step`."""
         state = self._numbering.state(
-            joint_position, joint_velocity, wrench, time_s, targets=targets, obstacles=obstacles, wrenches=wrenches
+            joint_position,
+            joint_velocity,
+            wrench,
+            time_s,
+            targets=targets,
+            obstacles=obstacles,
+            wrenches=wrenches,
+            channels=channels,
         )
         return self.step_state(state)
 

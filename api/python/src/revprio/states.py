@@ -8,7 +8,7 @@ import numpy as np
 
 from revprio.bodies import ArrayLike, JointVector
 from revprio.errors import InvalidError
-from revprio.models import ObstacleState, Problem, State, StreamedTarget, Wrench
+from revprio.models import ChannelInput, ObstacleState, Problem, State, StreamedTarget, Wrench
 
 
 class StateNumbering:
@@ -29,6 +29,7 @@ class StateNumbering:
         targets: Mapping[str, StreamedTarget] | None = None,
         obstacles: Sequence[ObstacleState] | None = None,
         wrenches: Mapping[str, Wrench | ArrayLike] | None = None,
+        channels: Mapping[str, ChannelInput] | None = None,
     ) -> State:
         """Returns the next state, without arguments that are `None`. Default of `time_s`: sequence number times T."""
         sequence = self._next
@@ -38,6 +39,7 @@ class StateNumbering:
             "targets": dict(targets) if targets else None,
             "obstacles": list(obstacles) if obstacles else None,
             "wrenches": as_wrenches(wrenches) if wrenches else None,
+            "channels": dict(channels) if channels else None,
         }
         state = State(
             sequence=sequence,

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    AntiWindup, Axis, Collisions, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits, Method,
-    NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
+    AntiWindup, Axis, Channel, Collisions, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits,
+    Method, NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
 };
 use super::{bounds, defaults, integer, object};
 
@@ -100,6 +100,9 @@ pub struct Controller {
     /// The tasks, highest priority first: put first what must not give way, such as contact or safety.
     #[serde(deserialize_with = "object::list")]
     pub tasks: Vec<ControllerTask>,
+    /// Channels besides the joints, such as a gripper, at most 16; default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<Channel>,
 }
 
 #[expect(clippy::float_cmp, reason = "the default is written as it is")]

@@ -84,6 +84,43 @@ pub enum Law {
         #[serde(default = "defaults::yes", skip_serializing_if = "defaults::is_yes")]
         braking: bool,
     },
+    /// Pressing on a surface of unknown stiffness. The tool approaches the surface, presses with the target force and follows the
+    /// surface. It needs no gains: the recommended law for contacts. Each axis of the task presses by itself.
+    Contact {
+        /// Target force F_d, N and N·m, along the axes of the task. Its sign is the direction in which the tool presses. A target below
+        /// five times the noise is raised to it.
+        #[serde(deserialize_with = "object::deserialize")]
+        target_force: Profile,
+        /// Speed at which the tool approaches the surface, and largest speed at which it presses, m/s and rad/s. A faster approach costs
+        /// the peak force that the answer names; default: the largest that keeps the peak below 1.2 times the target force in the
+        /// stiffest contact.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        approach_speed: Option<PerAxis<f64>>,
+        /// Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface in a row. Set it to
+        /// approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stiffest: Option<PerAxis<f64>>,
+        /// Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        noise: Option<PerAxis<f64>>,
+        /// Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to this error are no
+        /// contact; default 0.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        bias: Option<PerAxis<f64>>,
+        /// Time constant of the filter of the force sensor, s; default 0.002.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        sensor_lag_s: Option<f64>,
+        /// Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and after the limits
+        /// of the joints; default: none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        max_force: Option<PerAxis<f64>>,
+        /// Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        retreat_speed: Option<PerAxis<f64>>,
+        /// Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5 m/s² and 50 rad/s².
+        #[serde(skip_serializing_if = "Option::is_none")]
+        max_acceleration: Option<PerAxis<f64>>,
+    },
     /// Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
     Force {
         /// Inertia M_d, kg and kg·m². The velocity follows a change of force within some M_d/B_d seconds; a larger one
@@ -181,20 +218,24 @@ impl Law {
             Self::Posture { joints, target_position: PostureTarget::Profile(position), .. } => {
                 LawTarget::Joints { names: joints.as_deref(), position }
             }
-            Self::Posture { .. } | Self::LookAt { .. } | Self::Force { .. } => LawTarget::None,
+            Self::Posture { .. } | Self::LookAt { .. } | Self::Contact { .. } | Self::Force { .. } => LawTarget::None,
         }
     }
 
-    /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
-    pub fn integrates(&self) -> bool {
-        matches!(self, Self::Force { .. } | Self::Impedance { .. } | Self::Hybrid { .. })
+    /// Returns whether the law reads the measured wrench.
+    pub fn reads_wrench(&self) -> bool {
+        matches!(self, Self::Contact { .. } | Self::Force { .. } | Self::Impedance { .. } | Self::Hybrid { .. })
     }
 
     /// Returns inertia, damping and stiffness of one row (index from 0), as a contact feels them. `None` for laws that do
     /// not react to a contact, and for rows that the law does not have.
     pub fn contact_gains(&self, row: usize) -> Option<[f64; 3]> {
         let (inertia, damping, stiffness) = match self {
-            Self::Velocity { .. } | Self::Pose { .. } | Self::Posture { .. } | Self::LookAt { .. } => return None,
+            Self::Velocity { .. }
+            | Self::Pose { .. }
+            | Self::Posture { .. }
+            | Self::LookAt { .. }
+            | Self::Contact { .. } => return None,
             Self::Force { inertia, damping, .. } => (inertia, damping, 0.0),
             Self::Impedance { inertia, damping, stiffness, .. } => (inertia, damping, stiffness.at(row)?),
             Self::Hybrid { inertia, damping, stiffness, position_controlled, .. } => {

@@ -177,6 +177,10 @@ pub struct LiveSample {
     pub round_trip_us: f32,
     /// Whether the service answered in this period.
     pub answered: bool,
+    /// Commands of the channels by name.
+    #[schema(example = json!({"gripper": 0.031}))]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub channels: BTreeMap<String, f32>,
 }
 
 /// One control period of a session, as `GET /v1/controllers/{id}/watch` shows it.

@@ -5,7 +5,9 @@
 
 mod bounds;
 mod certificate;
+mod channel;
 mod collision;
+mod contact;
 mod controller;
 mod defaults;
 mod drive;
@@ -34,10 +36,12 @@ mod string_tags;
 mod virtual_arm;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
+pub use channel::{Channel, ChannelInput, ChannelKind, ChannelMemory, ChannelTarget};
 pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
+pub use contact::{ContactFault, ContactMemory, ContactReport, ContactState};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{
@@ -72,7 +76,7 @@ pub use step::{
     StepRequest, StuckTask, TaskGain, Wrench,
 };
 pub use streaming::{
-    LaterTarget, StreamedPose, StreamedQuantity, StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample,
-    TargetState, TargetStream,
+    ChunkAction, ChunkAlign, ChunkMemory, ChunkStatus, Fade, LaterTarget, StreamedPose, StreamedQuantity,
+    StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample, TargetState, TargetStream,
 };
 pub use virtual_arm::{Line, VirtualArm};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Path, Side, Status, TargetState, defaults};
+use super::{ChunkStatus, ContactReport, Path, Side, Status, TargetState, defaults};
 
 /// The outcome of one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,6 +26,11 @@ pub struct TaskOutcome {
     /// Target force F_d of this period per row, N and N·m; `null` on rows without one; only in answers to a state.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_force: Option<Vec<Option<f64>>>,
+    /// Contact of each row with the law `contact`; absent for other laws.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"state": "contact", "stiffness_bound": 15300.0, "stiffness": 12000.0, "stiffness_uncertainty": 130.0,
+        "predicted_force": 29.9, "surface_velocity": 0.0, "energy_j": 2.16, "approach_speed": 0.012, "unavoidable_peak": 32.7}]))]
+    pub contact: Vec<ContactReport>,
     /// Where the streamed target of this period comes from; absent if no target was streamed to this task.
     #[schema(example = "following")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,6 +39,9 @@ pub struct TaskOutcome {
     #[schema(example = 0.012)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_age_s: Option<f64>,
+    /// The chunk of actions that the task follows; absent if none came.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chunk: Option<ChunkStatus>,
     /// Active rows of a task with bounds: rows that reach a bound and restrict the answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"row": 0, "side": "upper", "multiplier": 0.04}]))]

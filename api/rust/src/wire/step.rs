@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    ActiveInequality, ActiveLimit, CollisionReport, Contradiction, Controller, DriveState, JointVector, ObstacleState,
-    Pose, Side, Singularity, SolverReport, StreamedTarget, TargetStream, TaskOutcome, ViolatedInequality,
-    ViolatedLimit, VirtualArm,
+    ActiveInequality, ActiveLimit, ChannelInput, ChannelMemory, CollisionReport, ContactMemory, Contradiction,
+    Controller, DriveState, JointVector, ObstacleState, Pose, Side, Singularity, SolverReport, StreamedTarget,
+    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm,
 };
 use super::{integer, object};
 
@@ -43,6 +43,10 @@ pub struct State {
     #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"hand": {"time_s": 0.95, "pose": {"position": [0.6, 0.1, 0.4]}}}))]
     pub targets: BTreeMap<String, StreamedTarget>,
+    /// What arrived for the channels of the controller, by name; default: nothing.
+    #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"gripper": {"target": 0.02, "measured": 0.08}}))]
+    pub channels: BTreeMap<String, ChannelInput>,
     /// Where the moving obstacles of the controller are; each must be named. Default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ObstacleState>,
@@ -128,10 +132,16 @@ pub struct Memory {
     /// The virtual arm of laws that look ahead; default: none, or the next state starts anew.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub virtual_arm: Option<VirtualArm>,
+    /// What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next state starts anew.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactMemory>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub in_transition: bool,
+    /// The channels of the controller; default: none had a target.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<ChannelMemory>,
 }
 
 /// How the joints turn and what the tasks gained by it.
@@ -314,6 +324,10 @@ pub struct StepAnswer {
     /// Memory to send with the next state; only in answers without a session.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
+    /// Commands of the channels by name, m, rad, N or N·m; a channel without target so far is absent.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"gripper": 0.031}))]
+    pub channels: BTreeMap<String, f64>,
     /// Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
     /// `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would otherwise leave its
     /// range before it stops, if the `limits` include positions and the `solver` is not `closed_form`.

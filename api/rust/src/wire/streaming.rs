@@ -1,5 +1,7 @@
 //! Streamed targets: targets that come with the states, as in teleoperation.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -26,6 +28,11 @@ pub struct Streaming {
     /// uniform motion is followed without lag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing_s: Option<f64>,
+    /// Time in which the offset between a new chunk of actions and the motion before it fades, s; default 0.3; longer if it would need more
+    /// than half of `max_acceleration`. 0: the task follows the new chunk as fast as `max_velocity` and `max_acceleration` allow.
+    #[schema(example = 0.3)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fade_s: Option<f64>,
     /// Maximum velocity of the target per row, m/s and rad/s; default: 1 m/s and 3 rad/s, for joints their velocity
     /// limits.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -65,6 +72,85 @@ pub struct StreamedTarget {
     /// Where a `pose` or a `joint_position` will be in the next seconds, in the order of time; default: unknown. Laws with `path` use it.
     #[serde(deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub ahead: Vec<TargetAhead>,
+    /// Actions of the next seconds, as a policy computes them at once, in place of the other fields: 1 to 256 of one kind, in the order of
+    /// their times. The task follows a smooth curve through them. A chunk replaces the actions of earlier ones from its first time on;
+    /// the offset to the motion before it fades in `fade_s`.
+    #[schema(example = json!([{"time_s": 1.0, "position": [0.6, 0.1, 0.4]}, {"time_s": 1.033, "position": [0.6, 0.11, 0.4]}]))]
+    #[serde(deserialize_with = "object::optional_list", skip_serializing_if = "Option::is_none")]
+    pub chunk: Option<Vec<ChunkAction>>,
+    /// Which actions of a `chunk` that comes late are past; default `time`.
+    #[schema(example = "progress")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub align: Option<ChunkAlign>,
+}
+
+/// An action of a chunk: a target with the time at which it is due. Position and orientation are those of a `pose`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChunkAction {
+    /// Time on the clock of the states, s; later than that of the action before it by at least 1 µs, and at most 10 s after the state.
+    #[schema(example = 1.033)]
+    pub time_s: f64,
+    /// Target pose, in place of `position` and `orientation`.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub pose: Option<StreamedPose>,
+    /// Target position x, y, z, m; required if the task has a linear axis.
+    #[schema(example = json!([0.6, 0.1, 0.4]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// Target orientation, unit quaternion; required if the task has an angular axis.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Orientation>,
+    /// Target positions of the joints of the task, in their order or by name, rad or m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_position: Option<JointVector>,
+    /// Target velocity of a task with the law `velocity`, per row, m/s and rad/s.
+    #[schema(example = json!([0.1, 0.0, -0.05]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<Vec<f64>>,
+    /// Target force F_d per row, N and N·m.
+    #[schema(example = json!([15.0]))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Vec<f64>>,
+    /// Target of the channel `gripper` of the controller, due with the action.
+    #[schema(example = 0.02)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<f64>,
+    /// Targets of channels of the controller by name, due with the action; default: none.
+    #[schema(example = json!({"suction": 1.0}))]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub channels: BTreeMap<String, f64>,
+}
+
+/// Which actions of a chunk that comes late are past.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ChunkAlign {
+    /// Those before the time of the state.
+    #[default]
+    Time,
+    /// Those before the place that the arm has reached, of the places that are due until now. The rest of the chunk is moved in time to
+    /// begin there. For forces and velocities: as `time`.
+    Progress,
+}
+
+/// The chunk that a task follows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ChunkStatus {
+    /// Number of actions to come.
+    #[schema(example = 38)]
+    pub actions_left: usize,
+    /// Time until the last action, s; negative after it.
+    #[schema(example = 1.25)]
+    pub ends_in_s: f64,
+    /// Number of actions of a chunk of this state that were past; absent if none came or it was ignored.
+    #[schema(example = 12)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dropped: Option<usize>,
+    /// Time by which the actions of a chunk of this state were moved, s; absent if none came or it was ignored.
+    #[schema(example = 0.0)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shift_s: Option<f64>,
 }
 
 /// A target of a later time. It has the same fields as the target with which it comes.
@@ -140,11 +226,53 @@ pub struct TargetStream {
     /// Targets of later times that came with the newest one; default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub ahead: Vec<LaterTarget>,
+    /// The chunks that the task follows; default: none came.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub chunk: Option<ChunkMemory>,
     /// The target that the law followed in the last period, with its velocity.
     #[serde(deserialize_with = "object::deserialize")]
     pub reference: TargetReference,
     /// State of the last period.
     pub state: TargetState,
+}
+
+/// The chunks that a task follows, in the memory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChunkMemory {
+    /// Time of the first action of the newest chunk, as it was sent, s.
+    #[schema(example = 0.9)]
+    pub first_s: f64,
+    /// Time of the state with which it came, s.
+    #[schema(example = 1.4)]
+    pub merged_s: f64,
+    /// The actions that still count, at the times at which they are due; default: none.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    pub actions: Vec<LaterTarget>,
+    /// What is left of the motion before the newest chunk; default: nothing.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub fade: Option<Fade>,
+}
+
+/// An offset that fades, in the memory: of a pose linear and angular in base axes, otherwise per row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fade {
+    /// Time at which it began, s.
+    #[schema(example = 1.4)]
+    pub start_s: f64,
+    /// Time that it takes, s.
+    #[schema(example = 0.3)]
+    pub duration_s: f64,
+    /// Offset at the start.
+    #[schema(example = json!([0.02, 0.0, 0.0, 0.0, 0.0, 0.0]))]
+    pub offset: Vec<f64>,
+    /// Rate of the offset at the start, per second.
+    #[schema(example = json!([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))]
+    pub rate: Vec<f64>,
+    /// Second derivative of the offset at the start, per second².
+    #[schema(example = json!([0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))]
+    pub acceleration: Vec<f64>,
 }
 
 /// A target of a later time in the memory.

@@ -41,6 +41,10 @@ pub(crate) struct ArmState {
     pub time_to_rest: f64,
     /// p − q, n, rad or m.
     pub distance_to_rest: Vec<f64>,
+    /// How far the modelled joints moved while states were missing, n, rad or m, and for how long, s; zero if none was.
+    pub missed_way: Vec<f64>,
+    /// See [`Self::missed_way`].
+    pub missed_time: f64,
     /// q̇⁻, the last command, n, rad/s or m/s.
     pub last_command: Vec<f64>,
     /// a⁻, acceleration of the last command, n, rad/s² or m/s²; empty: jerk limits do not apply.
@@ -101,6 +105,8 @@ impl ArmState {
             initial_pose: *measured.tool_pose(),
             time_to_rest,
             distance_to_rest: zeros.clone(),
+            missed_way: zeros.clone(),
+            missed_time: 0.0,
             last_command: zeros.clone(),
             last_acceleration: if needs.acceleration { zeros.clone() } else { Vec::new() },
             rest: needs.rest.then(|| measured.clone()),

@@ -18,6 +18,13 @@ use revprio_robot::kinematics::Configuration;
 use super::pair::{Pair, World};
 use super::stop::StopPath;
 
+/// Distance, m, by which full braking must come nearer than the pair is now to count as unavoidable. It is more than what the bounds
+/// between samples lose for an arm that moves slowly.
+pub const UNAVOIDABLE: f64 = 1e-4;
+
+/// Distance that counts as rounding, m.
+const ROUNDING: f64 = 1e-12;
+
 /// One pair on its way.
 #[derive(Debug, Clone, Copy)]
 struct Watched {
@@ -37,6 +44,21 @@ pub struct Deficit {
     pub bound: f64,
     /// At the nodes behind the first one.
     pub sampled: f64,
+}
+
+impl Deficit {
+    /// Returns whether a pair keeps d_min, or, if it is nearer now, comes no nearer; `now`: its distance less d_min, m, at most 0.
+    pub fn comes_no_nearer(&self, now: f64) -> bool {
+        self.bound >= 0.0 || now < 0.0 && self.sampled >= now - ROUNDING && self.bound >= now - UNAVOIDABLE
+    }
+}
+
+impl Watched {
+    /// Returns how much nearer than d_min the pair has come; `min_distance`: d_min, m.
+    fn deficit(&self, min_distance: f64) -> Deficit {
+        let [bound, sampled] = [self.least, self.sampled].map(|least| (least - min_distance).min(0.0));
+        Deficit { bound, sampled }
+    }
 }
 
 /// The memory of the check.
@@ -93,11 +115,41 @@ impl ClearanceCheck {
         deficits: &mut [Deficit],
     ) {
         deficits.fill(Deficit::default());
+        self.walk(scene, (path, path.stride()), (now, distances), |_| false);
+        for watched in &self.watched {
+            deficits[watched.pair] = watched.deficit(scene.min_distance);
+        }
+    }
+
+    /// Returns the end of the first interval in which a pair comes nearer than d_min and than it is now, s; `None`: none does. `stride`:
+    /// number of periods of an interval.
+    pub fn first_refused(
+        &mut self,
+        scene: Scene,
+        (path, stride): (&StopPath, usize),
+        (now, distances): (&PlacedBody, &[f64]),
+    ) -> Option<f64> {
+        let is_refused = |watched: &Watched| {
+            let now = (distances[watched.pair] - scene.min_distance).min(0.0);
+            !watched.deficit(scene.min_distance).comes_no_nearer(now)
+        };
+        let node = self.walk(scene, (path, stride), (now, distances), |watched| watched.iter().any(is_refused))?;
+        Some(path.time(node))
+    }
+
+    /// Follows all pairs along a path, until `ends` says so for an interval; returns the node at the end of that interval.
+    fn walk(
+        &mut self,
+        scene: Scene,
+        (path, stride): (&StopPath, usize),
+        (now, distances): (&PlacedBody, &[f64]),
+        ends: impl Fn(&[Watched]) -> bool,
+    ) -> Option<usize> {
         self.watch(scene, path, distances);
         self.bodies[0].copy_from(now);
         self.placed = 0;
         let speed = scene.world.largest_speed();
-        let (mut node, end, stride) = (0, path.nodes() - 1, path.stride());
+        let (mut node, end) = (0, path.nodes() - 1);
         let (mut travel, mut due) = (0.0, self.due());
         while node < end && due < f64::INFINITY {
             let next = if node < path.last_period() { (node + stride).min(path.last_period()) } else { node + 1 };
@@ -106,14 +158,14 @@ impl ClearanceCheck {
             let after = travel + way + speed * (path.time(next) - path.time(node));
             if due <= after {
                 self.look(scene, path, (node, next), (travel, after));
+                if ends(&self.watched) {
+                    return Some(next);
+                }
                 due = self.due();
             }
             (node, travel) = (next, after);
         }
-        for watched in &self.watched {
-            let [bound, sampled] = [watched.least, watched.sampled].map(|least| (least - scene.min_distance).min(0.0));
-            deficits[watched.pair] = Deficit { bound, sampled };
-        }
+        None
     }
 
     /// Lists the pairs that may come nearer than d_min.

@@ -9,7 +9,7 @@ use revprio_robot::collision::{CollisionModel, PlacedBody};
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 
 use super::avoidance::{CollisionAvoidance, MAX_STOP_PERIODS, ROWS};
-use super::clearance::{ClearanceCheck, Deficit, Scene};
+use super::clearance::{ClearanceCheck, Deficit, Scene, UNAVOIDABLE};
 use super::obstacle::ObstacleState;
 use super::pair::{Pair, World, pairs};
 use super::report::{CollisionReport, MAX_REPORTED, PairReport};
@@ -18,22 +18,11 @@ use super::stop::{Braking, Start, StopPath, longest_stop};
 use crate::arm_state::ArmState;
 use crate::limits::{Drive, DriveState, MAX_DRIVE_DELAY, full_braking, reaction_time, spare_time};
 
-/// Distance, m, by which full braking must come nearer than the pair is now to count as unavoidable. It is more than what the bounds
-/// between samples lose for an arm that moves slowly.
-const UNAVOIDABLE: f64 = 1e-4;
-
-/// Distance that counts as rounding, m.
-const ROUNDING: f64 = 1e-12;
-
 /// Longest time, s, for which a command that moves the arm may be held. The check of a longer hold would take long.
 const LONGEST_HOLD: f64 = 0.25;
 
-impl Deficit {
-    /// Returns whether a pair keeps d_min, or, if it is nearer now, comes no nearer; `now`: its distance less d_min, m, at most 0.
-    fn comes_no_nearer(&self, now: f64) -> bool {
-        self.bound >= 0.0 || now < 0.0 && self.sampled >= now - ROUNDING && self.bound >= now - UNAVOIDABLE
-    }
-}
+/// How many samples of a stop are one sample of a hold, except for the shortest one. A uniform motion needs few.
+const COARSE: usize = 4;
 
 /// The state of a period.
 #[derive(Debug, Clone, Copy)]
@@ -261,15 +250,16 @@ impl CollisionGuard {
             *acceleration = (command[joint] - moment.arm.last_command[joint]) / self.period;
         }
         self.follow(moment, (command, 1), self.keeps_jerk);
+        let scene = self.surroundings.scene();
+        self.check.check(scene, &self.path, (&self.now, &self.distances), &mut self.deficits);
     }
 
-    /// Checks the way of the arm if a command is held for some periods and braking follows, with jerk limits or without.
+    /// Moves the path along if a command is held for some periods and braking follows, with jerk limits or without.
     fn follow(&mut self, moment: Moment, (command, held): (&[f64], usize), keeps_jerk: bool) {
         let scene = self.surroundings.scene();
         let acceleration = keeps_jerk.then_some(self.acceleration.as_slice());
         let braking = Braking { robot: scene.robot, command, held, acceleration };
         self.path.follow(start(moment, self.drive, self.period), braking);
-        self.check.check(scene, &self.path, (&self.now, &self.distances), &mut self.deficits);
     }
 
     /// Updates for how long a command can be held, at most `longest` (s), before a watchdog brakes.
@@ -284,24 +274,28 @@ impl CollisionGuard {
         }
         let mut time = longest.min(spare_time(self.period).max(LONGEST_HOLD));
         loop {
-            if self.is_free_after(moment, command, time) {
-                return time;
+            let Some(refused) = self.refused_after(moment, command, time) else { return time };
+            // A hold that lasts until then has the same way until then.
+            let longest = refused - self.drive.delay_periods as f64 * self.period;
+            loop {
+                if time <= spare_time(self.period) {
+                    return 0.0;
+                }
+                time = (0.5 * time).max(spare_time(self.period));
+                if time < longest {
+                    break;
+                }
             }
-            if time <= spare_time(self.period) {
-                return 0.0;
-            }
-            time = (0.5 * time).max(spare_time(self.period));
         }
     }
 
-    /// Returns whether the arm stays clear if a command is held for a time (s) and a watchdog then brakes.
-    fn is_free_after(&mut self, moment: Moment, command: &[f64], time: f64) -> bool {
+    /// Returns when the arm comes too near if a command is held for a time and a watchdog then brakes, all in s; `None`: never.
+    fn refused_after(&mut self, moment: Moment, command: &[f64], time: f64) -> Option<f64> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most LONGEST_HOLD/T")]
         let held = (time / self.period).ceil() as usize;
         self.follow(moment, (command, held), false);
-        let min_distance = self.surroundings.avoidance.min_distance_m;
-        let found = self.deficits.iter().zip(&self.distances);
-        found.into_iter().all(|(deficit, distance)| deficit.comes_no_nearer((distance - min_distance).min(0.0)))
+        let stride = if time > spare_time(self.period) { COARSE } else { 1 } * self.path.stride();
+        self.check.first_refused(self.surroundings.scene(), (&self.path, stride), (&self.now, &self.distances))
     }
 
     /// Returns what the period found, with the nearest pairs.

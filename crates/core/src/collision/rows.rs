@@ -1,13 +1,17 @@
 //! Linear rows that tell the solver how its command changes distances along the stop.
 //!
 //! Let u_b be the command of full braking, and let the arm hold u_b for τ and then stop; at some places of that way, let y be
-//! how far the common normal of a pair separates two ends of its shapes, less d_min and a margin ε. A command u instead of u_b moves joint
-//! j there by m_j (u_j − u_bj) to first order: m_j is what a pulse of height 1 and length τ + |u_bj|/A_j moves behind the drive until then.
-//! With g the gradient of the separation, the rows are
+//! how far the common normal of a pair separates two ends of its shapes, less d_min and a margin ε, and y_0 the distance now, less the same.
+//! A command u instead of u_b moves joint j there by m_j (u_j − u_bj) to first order: m_j is what a pulse of height 1 and length
+//! τ + |u_bj|/A_j moves behind the drive until then. With g the gradient of the separation, the rows are
 //!
-//! > Σ_j g_j m_j (u_j − u_bj) ≥ −κ y, κ = min(1, γ θ), θ = τ + ½ max_j |u_bj|/A_j.
+//! > Σ_j g_j m_j (u_j − u_bj) ≥ (1 − κ) min(y, y_0) − y, κ = min(1, γ θ), θ = τ + ½ max_j |u_bj|/A_j.
 //!
-//! At rest this is g·u ≥ −γ y: the distance shrinks at most like e^(−γ t). At speed it says that the stop ends free.
+//! At rest this is g·u ≥ −γ y_0: the distance shrinks at most like e^(−γ t). At speed it says that the stop ends free. A stop that leads away
+//! from an obstacle (y > y_0) may end where the arm is now: if it had to lead away as far, an arm could not come to rest.
+//!
+//! The places are at fixed times, each 1.5 times the one before, at the end of the last period and at rest. So a place appears where
+//! another one is, and the rows do not jump when a stop becomes longer.
 //!
 //! The rows have ends and a common normal in place of nearest points, because those jump where shapes are parallel. A row that no command
 //! of the box violates is left out, which changes no answer. A row that asks for more than the box can do asks for what it can, so that
@@ -27,8 +31,8 @@ use crate::limits::{Drive, braking_deceleration};
 /// Maximum number of places.
 const PLACES: usize = 10;
 
-/// Way of the joints between two places that need no place between them, rad or m.
-const WAY_OF_A_PLACE: f64 = 0.02;
+/// Ratio of the times of two successive places.
+const SPREAD: f64 = 1.5;
 
 /// ε for periods up to 1 ms, m. Longer periods have more, in proportion.
 const MARGIN: f64 = 2e-4;
@@ -72,11 +76,36 @@ pub struct Nominal<'a> {
     pub keeps_jerk: bool,
 }
 
+impl Nominal<'_> {
+    /// Returns the number of places and their nodes on the path.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most SPREAD^PLACES (1 + 10 ms/T)")]
+    fn nodes(&self) -> (usize, [usize; PLACES]) {
+        let (mut count, mut nodes) = (0, [0; PLACES]);
+        let mut push = |node: usize| {
+            nodes[count] = node;
+            count += 1;
+        };
+        let mut after_dead_time = self.held_s / self.period;
+        for _ in 0..PLACES - 2 {
+            let node = self.drive.delay_periods + after_dead_time.round() as usize;
+            if node >= self.path.last_period() {
+                break;
+            }
+            push(node);
+            after_dead_time *= SPREAD;
+        }
+        if self.drive.lag_s > 0.0 {
+            push(self.path.last_period());
+        }
+        push(self.path.nodes() - 1);
+        (count, nodes)
+    }
+}
+
 /// The memory of the rows.
 #[derive(Debug)]
 pub struct Rows {
     places: Vec<Place>,
-    ways: Vec<f64>,
     /// Lengths of the pulses, n, s.
     pulses: Vec<f64>,
     /// Largest |u_j − u_bj| in the box, n.
@@ -110,7 +139,6 @@ impl Rows {
         };
         Self {
             places: (0..PLACES).map(|_| place()).collect(),
-            ways: memory.clone(),
             pulses: memory.clone(),
             widths: memory.clone(),
             gradient: memory,
@@ -139,7 +167,7 @@ impl Rows {
                 let place = &self.places[k];
                 let way = pair.levers.way(&place.ways) + place.time * pair.obstacle_speed(scene.world);
                 if share * (distance - way - margin) < self.reach(pair, &place.moved) {
-                    found += self.write_at(scene, nominal, (pair, k, share, margin), rows);
+                    found += self.write_at(scene, nominal, (pair, k, share, margin), distance, rows);
                 }
             }
         }
@@ -163,19 +191,12 @@ impl Rows {
     }
 
     /// Moves the places along the way; returns their number.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive; more than allowed saturates"
-    )]
     fn place(&mut self, scene: Scene, nominal: Nominal) -> usize {
-        let (path, last) = (nominal.path, nominal.path.nodes() - 1);
-        path.write_ways((0, last), &mut self.ways);
-        let way: f64 = self.ways.iter().sum();
-        let count = (1 + (way / WAY_OF_A_PLACE) as usize).min(PLACES);
+        let path = nominal.path;
+        let (count, nodes) = nominal.nodes();
+        let last = path.nodes() - 1;
         let dead_time = nominal.drive.delay_periods as f64 * nominal.period;
-        for (k, place) in self.places[..count].iter_mut().enumerate() {
-            let node = if k + 1 == count { last } else { path.last_period() * (k + 1) / count };
+        for (k, (place, node)) in self.places.iter_mut().zip(nodes).take(count).enumerate() {
             if place.configuration.update(scene.robot, path.position(node)).is_err() {
                 return k;
             }
@@ -195,23 +216,25 @@ impl Rows {
         pair.levers.lever.iter().zip(moved).zip(&self.widths).map(|((lever, moved), width)| lever * moved * width).sum()
     }
 
-    /// Writes the rows of a pair at a place; returns how many could matter.
+    /// Writes the rows of a pair at a place; returns how many could matter. `distance`: of the pair now, m.
     fn write_at(
         &mut self,
         scene: Scene,
         nominal: Nominal,
         (pair, k, share, margin): (&Pair, usize, f64, f64),
+        distance: f64,
         rows: &mut [Inequality],
     ) -> usize {
         let place = &self.places[k];
         let at = pair.separation(&place.body, scene.world, place.time);
-        if share * (at.distance - margin) >= self.reach(pair, &place.moved) {
+        let spare = |y: f64| y - (1.0 - share) * y.min(distance - margin);
+        if spare(at.distance - margin) >= self.reach(pair, &place.moved) {
             return 0;
         }
         let mut found = 0;
         for (points, separated) in pair.ends(&place.body, scene.world, place.time, &at.normal) {
             place.configuration.write_distance_gradient(points, &at.normal, &mut self.gradient);
-            let mut bound = share * (separated - margin) / nominal.held_s;
+            let mut bound = spare(separated - margin) / nominal.held_s;
             let (mut least, mut most) = (0.0, 0.0);
             for (joint, entry) in self.gradient.iter_mut().enumerate() {
                 *entry *= -place.moved[joint] / nominal.held_s;

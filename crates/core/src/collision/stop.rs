@@ -3,6 +3,7 @@
 use revprio_robot::RobotModel;
 
 use crate::limits::{Drive, DriveState, braking_deceleration, full_braking, reaction_time};
+use crate::linalg::Vector;
 
 /// Points at which the settling of a lag is sampled, as shares of the way that is left.
 const SETTLING: [f64; 4] = [0.45, 0.75, 0.92, 1.0];
@@ -106,28 +107,26 @@ impl StopPath {
         self.periods = self.sent + drive_state.pending.len();
         let remaining = if drive.lag_s > 0.0 { (-period / drive.lag_s).exp() } else { 0.0 };
         let lag_way = drive.lag_s * (1.0 - remaining);
-        self.position.clear();
-        self.velocity.clear();
-        self.travelled.clear();
-        self.travelled.resize(n, 0.0);
-        self.position.extend_from_slice(position);
-        self.velocity.extend_from_slice(drive_state.velocity.as_slice());
-        for k in 0..self.periods {
-            let at = k * n;
+        let end = self.periods * n;
+        for memory in [&mut self.position, &mut self.velocity, &mut self.travelled] {
+            memory.resize(end + n, 0.0);
+        }
+        self.position[..n].copy_from_slice(position);
+        self.velocity[..n].copy_from_slice(drive_state.velocity.as_slice());
+        self.travelled[..n].fill(0.0);
+        let pending = drive_state.pending.iter().map(Vector::as_slice);
+        for (k, acting) in pending.chain(self.commands.chunks_exact(n)).enumerate() {
+            let [position, velocity, travelled] = [&mut self.position, &mut self.velocity, &mut self.travelled]
+                .map(|memory| memory[k * n..(k + 2) * n].split_at_mut(n));
             for joint in 0..n {
-                let acting = match drive_state.pending.get(k) {
-                    Some(pending) => pending[joint],
-                    None => self.commands[(k - drive_state.pending.len()) * n + joint],
-                };
-                let before = self.velocity[at + joint];
+                let (acting, before) = (acting[joint], velocity.0[joint]);
                 let difference = before - acting;
                 let after = acting + difference * remaining;
-                self.position.push(self.position[at + joint] + period * acting + difference * lag_way);
-                self.velocity.push(after);
-                self.travelled.push(self.travelled[at + joint] + period * before.abs().max(after.abs()));
+                position.1[joint] = position.0[joint] + period * acting + difference * lag_way;
+                velocity.1[joint] = after;
+                travelled.1[joint] = travelled.0[joint] + period * before.abs().max(after.abs());
             }
         }
-        let end = self.periods * n;
         for share in SETTLING {
             for joint in 0..n {
                 let way = drive.lag_s * self.velocity[end + joint];

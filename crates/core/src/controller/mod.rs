@@ -27,6 +27,8 @@
 //!     joint_velocity: None,
 //!     wrench: [0.0; 6],
 //!     targets: Vec::new(),
+//!     chunks: Vec::new(),
+//!     channels: Vec::new(),
 //! };
 //! let mut memory = None;
 //! let command = stepper.step(&mut memory, &measured)?;

@@ -11,6 +11,8 @@ use revprio_robot::kinematics::ConfigurationError;
 
 use super::config::{Controller, ControllerConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
+use crate::channel::ChannelState;
+use crate::law::{ContactAxis, ContactPhase};
 use crate::resolution::Solver;
 use crate::streaming::TargetStream;
 
@@ -73,7 +75,9 @@ impl Controller {
             target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
+            contacts: kept_contacts(memory, old, new),
             in_transition: new.limits_let_joints_jump(),
+            channels: kept_channels(memory, old, new),
             ..initial
         })
     }
@@ -109,6 +113,28 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
     let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
     streams.sort_by_key(|stream| (stream.task, stream.quantity));
     streams
+}
+
+/// Returns the channels that stay with their names, and new ones.
+fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
+    let known = |name: &str| memory.channels.get(old.channels.iter().position(|channel| channel.name == name)?);
+    new.channels.iter().map(|channel| known(&channel.name).cloned().unwrap_or_default()).collect()
+}
+
+/// Returns the contacts of the tasks that stay with their name, their rows and the contact law; others start. A fault ends: who
+/// replaces the controller has seen it.
+fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ContactAxis> {
+    let mut contacts = Vec::new();
+    for task in new.tasks.iter().filter(|task| task.law.contact().is_some()) {
+        let same = task_index(old, &task.name).filter(|&k| old.tasks[k].rows == task.rows);
+        let known = same.and_then(|k| old.contacts_of(k, &memory.contacts));
+        for row in 0..task.rows.len() {
+            let axis = known.map_or(ContactAxis::START, |known| known[row]);
+            let is_fault = matches!(axis.phase, ContactPhase::Fault(_));
+            contacts.push(if is_fault { ContactAxis::START } else { axis });
+        }
+    }
+    contacts
 }
 
 /// Returns the progress of the tasks that stay, and that of new tasks.

@@ -12,6 +12,7 @@
 //! | posture | q̇ = q̇_d + f K (q_d − q), or q̇ = −f K ∇H | the same for joints; H decreases | as above; as a lower task it gives way to higher ones |
 //! | force, Eqs. (35)-(42) | ẋ ← ẋ + T M_d⁻¹ (F_d − F_e − B_d Ẋ) | F_e = F_d at rest, for any stiffness of the environment | without contact the tool moves at F_d/B_d, and oscillates behind a drive if B_d/M_d is too large; with a stiff contact and lag or delay of the arm it bounces, see [the stability margins](crate::controller::ContactLoop) |
 //! | impedance, Eqs. (43)-(47) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ (−B_d ΔẊ − K_d ΔX − F_e)] | ΔX = −K_d⁻¹ F_e at rest; without contact a uniformly moving target is followed without error | B_d = 0 oscillates without decay, K_d = 0 drifts; bounces as the force law does |
+//! | contact | u = ((F_d − F)/K̂ − (p − x_s))/τ_c, see [`ContactLaw`] | F_d is held on a surface of unknown stiffness behind any stated lag and delay, without overshoot for K ≤ K̂ | a drive that is slower than stated; a surface that moves faster than the law follows |
 //! | hybrid, Eqs. (48)-(53) | ẋ ← ẋ + T [Ẍ_d + M_d⁻¹ ((I − S) F_d − F_e − B_d ΔẊ − K_d S ΔX)] | the force law where S is 0, the impedance law where S is 1 | as the force and the impedance law; a moving target on a force-controlled axis leaves a force error B_d Ẋ_d |
 //!
 //! The force, impedance and hybrid laws integrate a desired acceleration (semi-implicit Euler). So they keep one
@@ -22,6 +23,7 @@
 //! weak direction, and does not wind up.
 
 mod bounds;
+mod contact;
 mod force;
 mod gains;
 mod hybrid;
@@ -32,6 +34,10 @@ mod task_state;
 mod task_vector;
 
 pub use bounds::{VelocityBounds, VelocityBoundsError};
+pub use contact::{
+    AxisInput, ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, ContactTiming,
+    FaultCause, StiffnessEstimate, SurfaceMotion, Swing, largest_approach_speed, unavoidable_peak,
+};
 pub use force::ForceLaw;
 pub use gains::{GainError, Gains};
 pub use hybrid::HybridLaw;
@@ -54,6 +60,8 @@ pub enum Law {
     Bounds(VelocityBounds),
     /// Motion to a pose, or of joints to a posture.
     Position(PositionLaw),
+    /// Contact with a surface of unknown stiffness.
+    Contact(ContactLaw),
     /// Force control. Paper: Eqs. (35)-(42).
     Force(ForceLaw),
     /// Mass, damper and spring about a pose. Paper: Eqs. (43)-(47).
@@ -69,17 +77,31 @@ impl Law {
             Self::Velocity(profile) => profile.rows(),
             Self::Bounds(bounds) => bounds.rows(),
             Self::Position(law) => law.rows(),
+            Self::Contact(law) => law.rows(),
             Self::Force(law) => law.rows(),
             Self::Impedance(law) => law.rows(),
             Self::Hybrid(law) => law.rows(),
         }
     }
 
-    /// Returns whether the law integrates an acceleration. These are also the laws that read the measured wrench.
+    /// Returns whether the law integrates an acceleration.
     pub fn integrates(&self) -> bool {
         match self {
-            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) => false,
+            Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Contact(_) => false,
             Self::Force(_) | Self::Impedance(_) | Self::Hybrid(_) => true,
+        }
+    }
+
+    /// Returns whether the law reads the measured wrench.
+    pub fn reads_wrench(&self) -> bool {
+        self.integrates() || self.contact().is_some()
+    }
+
+    /// Returns the contact law; `None` for others.
+    pub fn contact(&self) -> Option<&ContactLaw> {
+        match self {
+            Self::Contact(law) => Some(law),
+            _ => None,
         }
     }
 
@@ -95,7 +117,7 @@ impl Law {
 
     /// Returns whether the law follows a force.
     pub fn follows_force(&self) -> bool {
-        matches!(self, Self::Force(_) | Self::Hybrid(_))
+        matches!(self, Self::Contact(_) | Self::Force(_) | Self::Hybrid(_))
     }
 
     /// Returns the bounds of an inequality task; `None` for laws that compute a velocity.
@@ -107,12 +129,14 @@ impl Law {
     }
 
     /// Returns ẋ_k for this period from the integrator of the last period, m entries each; `period`: T, s. For bounds, it
-    /// is the allowed velocity nearest to the measured one.
+    /// is the allowed velocity nearest to the measured one. The contact law has a memory of its own, see [`ContactLaw::step`]; here it
+    /// keeps its velocity.
     pub fn velocity(&self, state: &TaskState, integrator: &[f64], period: f64) -> TaskVector {
         let acceleration = match self {
             Self::Velocity(profile) => return state.set_point(profile),
             Self::Bounds(bounds) => return bounds.velocity(state),
             Self::Position(law) => return law.velocity(state),
+            Self::Contact(_) => return TaskVector::from_slice(integrator),
             Self::Force(law) => law.acceleration(state),
             Self::Impedance(law) => law.acceleration(state),
             Self::Hybrid(law) => law.acceleration(state),
@@ -125,6 +149,7 @@ impl Law {
         match self {
             Self::Force(law) => law.target_force(time_s).iter().copied().map(Some).collect(),
             Self::Hybrid(law) => law.target_force(time_s),
+            Self::Contact(law) => law.target_force().at(time_s).value.iter().copied().map(Some).collect(),
             Self::Velocity(_) | Self::Bounds(_) | Self::Position(_) | Self::Impedance(_) => {
                 SmallVec::from_elem(None, self.rows())
             }

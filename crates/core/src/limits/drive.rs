@@ -75,6 +75,12 @@ impl DriveState {
         drive.lag_s * self.velocity[joint] + period * pending
     }
 
+    /// Returns how far a joint moves in a period T (s) in which `command` (n) is sent, rad or m.
+    pub fn way(&self, drive: Drive, joint: usize, command: &Vector, period: f64) -> f64 {
+        let acting = self.pending.first().unwrap_or(command)[joint];
+        period * acting - (self.velocity[joint] - acting) * drive.lag_s * (-period / drive.lag_s).exp_m1()
+    }
+
     /// Advances by one period T (s) in which `command` (n) is sent.
     pub fn advance(&mut self, drive: Drive, command: &Vector, period: f64) {
         let remaining = (-period / drive.lag_s).exp();

@@ -97,7 +97,7 @@ impl ToolRows {
         if body.last_link().index() >= robot.links().len() {
             return Err(RowsError::Link);
         }
-        if law.integrates() && self.frame.tip(robot).is_none() { Err(RowsError::LinkLaw) } else { Ok(()) }
+        if law.reads_wrench() && self.frame.tip(robot).is_none() { Err(RowsError::LinkLaw) } else { Ok(()) }
     }
 
     /// Returns whether the axis of a row is linear or angular.

@@ -82,7 +82,7 @@ impl GazeRows {
         if !self.frame.body.as_ref().is_none_or(is_known) {
             return Err(RowsError::Link);
         }
-        if law.integrates() { Err(RowsError::GazeLaw) } else { Ok(()) }
+        if law.reads_wrench() { Err(RowsError::GazeLaw) } else { Ok(()) }
     }
 
     /// Overwrites `jacobian` with J_k, 2 × n.

@@ -43,7 +43,7 @@ impl JointRows {
         if let JointTarget::Position(profile) = &self.target {
             RowsError::unless_equal(self.joints.len(), profile.rows())?;
         }
-        if law.integrates() { Err(RowsError::JointLaw) } else { Ok(()) }
+        if law.reads_wrench() { Err(RowsError::JointLaw) } else { Ok(()) }
     }
 
     /// Overwrites `jacobian` with J_k, m × n.

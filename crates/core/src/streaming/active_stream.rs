@@ -1,5 +1,6 @@
 //! Streams of targets in one period.
 
+use super::chunk::Merged;
 use super::reference::Reference;
 use super::stream::{Ignored, TargetState, TargetStream};
 use super::value::{Quantity, TargetValue};
@@ -14,6 +15,19 @@ pub struct TargetReport {
     pub age_s: Option<f64>,
     /// A target of this measurement that was ignored.
     pub ignored: Option<Ignored>,
+    /// The chunk that the task follows.
+    pub chunk: Option<ChunkReport>,
+}
+
+/// The chunk that a task follows in one period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChunkReport {
+    /// Number of actions to come.
+    pub actions_left: usize,
+    /// Time until the last action, s; negative after it.
+    pub ends_in_s: f64,
+    /// What became of a chunk that came with this measurement; `None`: none came, or it was ignored.
+    pub merged: Option<Merged>,
 }
 
 /// A stream with the values that only this period uses.
@@ -27,6 +41,8 @@ pub(crate) struct ActiveStream {
     pub acceleration: TaskVector,
     /// A target of this period that was ignored.
     pub ignored: Option<Ignored>,
+    /// What became of a chunk of this period.
+    pub merged: Option<Merged>,
 }
 
 /// The streams of one task in this period.
@@ -50,7 +66,7 @@ const FADE: f64 = 0.2;
 impl ActiveStream {
     pub fn new(stream: TargetStream) -> Self {
         let acceleration = TaskVector::zeros(stream.reference.velocity.len());
-        Self { stream, velocity: acceleration.clone(), acceleration, ignored: None }
+        Self { stream, velocity: acceleration.clone(), acceleration, ignored: None, merged: None }
     }
 
     /// Returns what orders the streams: task and quantity.
@@ -76,7 +92,13 @@ impl ActiveStream {
     }
 
     fn report(&self, time_s: f64) -> TargetReport {
-        TargetReport { state: self.stream.state, age_s: self.stream.age(time_s), ignored: self.ignored }
+        let TargetStream { state, chunk, .. } = &self.stream;
+        let chunk = chunk.actions.last().map(|last| ChunkReport {
+            actions_left: chunk.left(time_s),
+            ends_in_s: last.time_s - time_s,
+            merged: self.merged,
+        });
+        TargetReport { state: *state, age_s: self.stream.age(time_s), ignored: self.ignored, chunk }
     }
 }
 
@@ -111,7 +133,7 @@ impl<'a> TaskStreams<'a> {
         let reports = [self.position, self.rows].into_iter().flatten().map(|active| active.report(time_s));
         reports.reduce(|a, b| {
             let worst = if b.state > a.state { b } else { a };
-            TargetReport { ignored: a.ignored.or(b.ignored), ..worst }
+            TargetReport { ignored: a.ignored.or(b.ignored), chunk: worst.chunk.or(a.chunk).or(b.chunk), ..worst }
         })
     }
 }

@@ -15,6 +15,9 @@ pub struct Streaming {
     pub delay_s: f64,
     /// Time constant with which the reference follows the targets, s; 0: it follows as fast as the bounds allow.
     pub smoothing_s: f64,
+    /// Time in which the offset between a chunk of actions and the motion before it fades, s; longer if it would need more than half of the
+    /// maximum acceleration. 0: it does not fade, the reference follows the new chunk within the bounds.
+    pub fade_s: f64,
     /// Maximum velocity of the target, one per row, m/s and rad/s; `None`: the defaults of the rows.
     pub max_velocity: Option<Vec<f64>>,
     /// Maximum acceleration of the target, one per row, m/s² and rad/s²; `None`: the defaults of the rows.
@@ -29,6 +32,7 @@ impl Default for Streaming {
             brake_after_s: 0.2,
             delay_s: 0.0,
             smoothing_s: 0.03,
+            fade_s: 0.3,
             max_velocity: None,
             max_acceleration: None,
         }
@@ -94,6 +98,7 @@ impl Streaming {
             ("brake_after_s", self.brake_after_s),
             ("delay_s", self.delay_s),
             ("smoothing_s", self.smoothing_s),
+            ("fade_s", self.fade_s),
         ];
         if let Some(&(field, value)) = times.iter().find(|(_, value)| !(0.0..=MAX_STREAMING_TIME).contains(value)) {
             return Err(StreamingError::Time { field, value });

@@ -1,29 +1,13 @@
 //! One stream of targets.
 
-use super::reference::clamp_norm;
-use super::{Bound, Quantity, Reference, Streaming, TargetValue};
+use super::chunk::{Arriving, Chunk, Merged, Unused};
+use super::curve::{self, LaterTarget, MIN_INTERVAL};
+use super::fade::Fade;
+use super::reference::{Bound, Reference, clamp_norm};
+use super::settings::Streaming;
+use super::streamed_target::MAX_AHEAD;
+use super::value::{Quantity, TargetValue};
 use crate::law::TaskVector;
-
-/// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
-pub const MAX_AHEAD: f64 = 1.0;
-
-/// Minimum time between two targets, s. The velocity between targets that are nearer means nothing.
-pub const MIN_INTERVAL: f64 = 1e-6;
-
-/// Maximum time of a target that is given ahead after the target with which it comes, s.
-pub const MAX_FORESIGHT: f64 = 2.0;
-
-/// Maximum number of targets that are given ahead with one target.
-pub const MAX_TARGETS_AHEAD: usize = 64;
-
-/// A target of a later time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LaterTarget {
-    /// Time of the target on the clock of the states, s.
-    pub time_s: f64,
-    /// The value.
-    pub value: TargetValue,
-}
 
 /// One target.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +45,13 @@ pub enum Ignored {
         /// Time of the newest target, s.
         newest_s: f64,
     },
+    /// It is a chunk whose actions are all past.
+    Late {
+        /// Time of its last action, s.
+        last_s: f64,
+    },
+    /// It is a chunk that begins after so many actions of earlier chunks that not all can be kept.
+    Full,
 }
 
 /// A stream of targets of one quantity of one task: the last two targets, the reference, and what comes.
@@ -76,6 +67,8 @@ pub struct TargetStream {
     pub previous: Option<Target>,
     /// Targets that were given ahead with the newest one, in the order of their times.
     pub ahead: Vec<LaterTarget>,
+    /// The actions of chunks that are followed.
+    pub chunk: Chunk,
     /// The target of the last period.
     pub reference: Reference,
     /// The state of the last period.
@@ -85,7 +78,16 @@ pub struct TargetStream {
 impl TargetStream {
     /// Starts a stream without targets at a reference.
     pub fn new(task: usize, quantity: Quantity, reference: Reference) -> Self {
-        Self { task, quantity, newest: None, previous: None, ahead: Vec::new(), reference, state: TargetState::Holding }
+        Self {
+            task,
+            quantity,
+            newest: None,
+            previous: None,
+            ahead: Vec::new(),
+            chunk: Chunk::default(),
+            reference,
+            state: TargetState::Holding,
+        }
     }
 
     /// Adds a target unless it is not newer than the newest one. Targets ahead that the clock cannot tell apart from the one before are left
@@ -96,6 +98,14 @@ impl TargetStream {
         mut ahead: Vec<LaterTarget>,
         settings: &Streaming,
     ) -> Option<Ignored> {
+        if !self.chunk.actions.is_empty() {
+            // A target takes over from a chunk that began before it.
+            if let Some(newest_s) = self.chunk.first_s.filter(|first_s| target.time_s - first_s < MIN_INTERVAL) {
+                return Some(Ignored::Older { time_s: target.time_s, newest_s });
+            }
+            self.chunk.clear();
+            self.newest = None;
+        }
         if let Some(newest) = &self.newest
             && target.time_s - newest.time_s < MIN_INTERVAL
         {
@@ -122,12 +132,59 @@ impl TargetStream {
         None
     }
 
-    /// Forgets the targets if the clock of the states went back.
-    pub(crate) fn forget_future(&mut self, time_s: f64) {
-        if self.newest.as_ref().is_some_and(|newest| newest.time_s > time_s + MAX_AHEAD) {
+    /// Merges a chunk at the time of a state, s: it replaces the actions from its first one on. The offset to the motion until now fades.
+    pub(crate) fn merge<I: Iterator<Item = LaterTarget> + Clone>(
+        &mut self,
+        chunk: Arriving<'_, I>,
+        now_s: f64,
+        settings: &Streaming,
+        bound: impl Fn(usize) -> Bound,
+    ) -> Result<Merged, Ignored> {
+        let first_s = chunk.first_s;
+        let last_s = chunk.actions.clone().fold(first_s, |_, action| action.time_s) - settings.delay_s;
+        let before = self.followed(now_s);
+        let merged = self.chunk.merge(chunk, self.quantity, now_s, &before);
+        let merged = merged.map_err(|unused| match unused {
+            Unused::Repeated => Ignored::Repeated,
+            Unused::Older(newest_s) => Ignored::Older { time_s: first_s, newest_s },
+            Unused::Late => Ignored::Late { last_s },
+            Unused::Full => Ignored::Full,
+        })?;
+        let began = self.newest.is_some() || self.quantity.is_position();
+        self.chunk.fade = self.chunk.motion(self.quantity, now_s).filter(|_| began).and_then(|motion| {
+            let acceleration = match &self.chunk.fade {
+                Some(fade) if !fade.is_over(now_s) => fade.derivative(2, now_s),
+                _ => TaskVector::zeros(motion.velocity.len()),
+            };
+            let fade = Fade::between(&before, &motion, acceleration, now_s, settings.fade_s)?;
+            Some(if self.quantity.is_position() { fade.slowed(&motion, bound) } else { fade })
+        });
+        self.newest = self.chunk.actions.last().map(|last| Target {
+            time_s: last.time_s - settings.delay_s,
+            value: last.value.clone(),
+            velocity: self.chunk.end_velocity(self.quantity),
+        });
+        self.previous = None;
+        self.ahead.clear();
+        Ok(merged)
+    }
+
+    /// Returns the motion that the stream follows at a time, s: that of a chunk, or else the reference.
+    fn followed(&self, time_s: f64) -> Reference {
+        let motion = self.chunk.motion(self.quantity, time_s).filter(|_| self.chunk.covers(time_s));
+        motion.map_or_else(|| self.reference.clone(), |motion| self.chunk.faded(motion, time_s))
+    }
+
+    /// Forgets the targets if the clock of the states went back, and actions that are past.
+    pub(crate) fn forget(&mut self, time_s: f64) {
+        let newest_s = self.newest.as_ref().map(|newest| newest.time_s);
+        let known_s = if self.chunk.actions.is_empty() { newest_s } else { Some(self.chunk.merged_s) };
+        if known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD) {
             (self.newest, self.previous) = (None, None);
             self.ahead.clear();
+            self.chunk.forget();
         }
+        self.chunk.drop_past(time_s);
     }
 
     /// Returns the time of the state minus the time of the newest target, s; `None` without a target.
@@ -137,12 +194,15 @@ impl TargetStream {
 
     /// Returns whether a target was given ahead for a time after this one, s.
     pub(crate) fn is_known_after(&self, time_s: f64) -> bool {
-        self.ahead.last().is_some_and(|last| last.time_s > time_s)
+        self.chunk.covers(time_s) || self.ahead.last().is_some_and(|last| last.time_s > time_s)
     }
 
     /// Returns the target that was given ahead for a time, s: on a smooth curve through the targets, the last one if it is earlier;
     /// `None` if there is none for this time.
     pub(crate) fn ahead_at(&self, time_s: f64) -> Option<TargetValue> {
+        if let Some(motion) = self.chunk.motion(self.quantity, time_s) {
+            return Some(self.chunk.faded(motion, time_s).value);
+        }
         let newest = self.newest.as_ref()?;
         let last = self.ahead.last()?;
         let after = self.ahead.partition_point(|later| later.time_s <= time_s);
@@ -153,7 +213,7 @@ impl TargetStream {
         let knot = |k: usize| {
             k.checked_sub(1).map_or((newest.time_s, &newest.value), |k| (self.ahead[k].time_s, &self.ahead[k].value))
         };
-        (time_s >= newest.time_s).then(|| interpolated(&knot, after, self.ahead.len(), time_s))
+        (time_s >= newest.time_s).then(|| curve::cubic(&knot, after, self.ahead.len(), time_s).value)
     }
 
     /// Moves the reference on to the next period of `period` s.
@@ -210,7 +270,10 @@ impl TargetStream {
         let velocity = velocity_within(newest, bound);
         let still = || TaskVector::zeros(velocity.len());
         let moved = |age: f64| newest.value.plus(&(&velocity * age));
-        let (state, value, velocity) = if age <= 0.0 {
+        let chunk = self.chunk.motion(self.quantity, time_s);
+        let (state, value, velocity) = if let Some(motion) = chunk.filter(|_| age <= 0.0) {
+            (TargetState::Following, motion.value, motion.velocity)
+        } else if age <= 0.0 {
             (TargetState::Following, self.interpolated(newest, &velocity, age, settings), velocity)
         } else if age <= settings.hold_after_s {
             (TargetState::Extrapolating, moved(age), velocity)
@@ -219,7 +282,9 @@ impl TargetStream {
         } else {
             (TargetState::Braking, self.reference.value.clone(), still())
         };
-        (state, Reference { value, velocity })
+        let desired = Reference { value, velocity };
+        let desired = if state == TargetState::Braking { desired } else { self.chunk.faded(desired, time_s) };
+        (state, desired)
     }
 
     /// Returns the value on the line through the last two targets. Before the older one, the line of positions goes on
@@ -234,27 +299,6 @@ impl TargetStream {
     }
 }
 
-/// Returns the value between the knots k and k + 1 of k = 0 … last: the cubic with the velocities of the parabolas through three knots,
-/// and the slope of the piece at the first and the last knot.
-fn interpolated<'a>(knot: &dyn Fn(usize) -> (f64, &'a TargetValue), k: usize, last: usize, time_s: f64) -> TargetValue {
-    let ((start, from), (end, to)) = (knot(k), knot(k + 1));
-    let duration = end - start;
-    let way = to.minus(from);
-    let slope_at = |k: usize| {
-        let ((t0, a), (t1, b), (t2, c)) = (knot(k - 1), knot(k), knot(k + 1));
-        let [before, after] = [&b.minus(a) * (1.0 / (t1 - t0)), &c.minus(b) * (1.0 / (t2 - t1))];
-        &(&before * ((t2 - t1) / (t2 - t0))) + &(&after * ((t1 - t0) / (t2 - t0)))
-    };
-    let rate = &way * (1.0 / duration);
-    let first = if k == 0 { rate.clone() } else { slope_at(k) };
-    let second = if k + 1 == last { rate } else { slope_at(k + 1) };
-    let x = (time_s - start) / duration;
-    // Hermite: value 0 and `way`, slopes `first` and `second`.
-    let (h, g0, g1) = (x * x * (3.0 - 2.0 * x), x * (1.0 - x) * (1.0 - x), x * x * (x - 1.0));
-    let moved = &(&way * h) + &(&(&first * (g0 * duration)) + &(&second * (g1 * duration)));
-    from.plus(&moved)
-}
-
 impl Clone for TargetStream {
     fn clone(&self) -> Self {
         Self {
@@ -263,6 +307,7 @@ impl Clone for TargetStream {
             newest: self.newest.clone(),
             previous: self.previous.clone(),
             ahead: self.ahead.clone(),
+            chunk: self.chunk.clone(),
             reference: self.reference.clone(),
             state: self.state,
         }
@@ -274,6 +319,7 @@ impl Clone for TargetStream {
         self.newest.clone_from(&source.newest);
         self.previous.clone_from(&source.previous);
         self.ahead.clone_from(&source.ahead);
+        self.chunk.clone_from(&source.chunk);
         self.reference.clone_from(&source.reference);
     }
 }
@@ -301,3 +347,6 @@ fn velocity_within(target: &Target, bound: impl Fn(usize) -> Bound) -> TaskVecto
     }
     velocity
 }
+
+#[cfg(test)]
+mod tests;

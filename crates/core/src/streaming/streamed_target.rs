@@ -2,8 +2,17 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::stream::{MAX_AHEAD, MAX_FORESIGHT, MAX_TARGETS_AHEAD, MIN_INTERVAL};
+use super::curve::MIN_INTERVAL;
 use super::value::Quantity;
+
+/// Maximum time of a target after the time of the state, s. A target further ahead has another clock.
+pub const MAX_AHEAD: f64 = 1.0;
+
+/// Maximum time of a target that is given ahead after the target with which it comes, s.
+pub const MAX_FORESIGHT: f64 = 2.0;
+
+/// Maximum number of targets that are given ahead with one target.
+pub const MAX_TARGETS_AHEAD: usize = 64;
 
 /// A target that arrives with a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,16 +103,22 @@ impl StreamedValue {
         }
     }
 
-    fn check_rows(&self, expected: usize) -> Result<(), TargetError> {
+    /// Returns the number of rows that are given; `None` for a pose.
+    pub(super) fn row_count(&self) -> Option<usize> {
         match self {
-            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) if rows.len() != expected => {
-                Err(TargetError::Rows { expected, given: rows.len() })
-            }
-            _ => Ok(()),
+            Self::JointPosition(rows) | Self::Velocity(rows) | Self::Force(rows) => Some(rows.len()),
+            Self::Pose { .. } => None,
         }
     }
 
-    fn is_finite(&self) -> bool {
+    fn check_rows(&self, expected: usize) -> Result<(), TargetError> {
+        match self.row_count().filter(|given| *given != expected) {
+            Some(given) => Err(TargetError::Rows { expected, given }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
         match self {
             Self::Pose { position, orientation } => {
                 position.is_none_or(|position| position.iter().all(|entry| entry.is_finite()))

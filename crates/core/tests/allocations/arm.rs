@@ -120,6 +120,8 @@ impl Arm {
     pub fn at(config: ControllerConfig, joint_position: &[f64]) -> Self {
         let stepper = crate::solvers::stepper(Controller::new(config).unwrap());
         let measured = Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s: 0.0,

@@ -5,7 +5,7 @@ use revprio_core::controller::{ControllerConfig, Limits};
 use revprio_core::law::{Law, Profile};
 use revprio_core::limits::LimitKind;
 use revprio_core::rows::{JointRows, JointTarget, TaskRows};
-use revprio_core::streaming::{StreamedTarget, StreamedValue};
+use revprio_core::streaming::{Action, Align, StreamedChunk, StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 
 use crate::arm::{Arm, LINEAR, config, constant_force, position, push_and_hold, task, tool};
@@ -61,4 +61,37 @@ fn streamed_targets_of_every_quantity_allocate_nothing() {
     assert_stream_allocates_nothing(alone(tool(&LINEAR), resting), 0, &value, None);
     let value = StreamedValue::Force(vec![10.0]);
     assert_stream_allocates_nothing(alone(tool(&[Axis::X]), constant_force(5.0)), 0, &value, None);
+}
+
+/// A chunk of 50 actions every 100 periods: nothing is allocated where it arrives, and nothing where it is followed.
+#[test]
+fn chunks_of_actions_allocate_nothing() {
+    let limits = Limits::Robot(LimitKind::Velocity);
+    let mut arm = Arm::new(config(limits, push_and_hold()));
+    let mut run = |chunks: u32| {
+        let mut allocations = 0;
+        for k in 0..chunks {
+            let start = arm.measured.time_s - 0.05;
+            let action = |k: u32| Action {
+                time_s: start + 0.02 * f64::from(k),
+                value: StreamedValue::Pose {
+                    position: Some(Vector3::new(0.6, 0.002 * f64::from(k), 0.4)),
+                    orientation: Some(UnitQuaternion::identity()),
+                },
+            };
+            let align = if k % 2 == 0 { Align::Time } else { Align::Progress };
+            arm.measured.chunks =
+                vec![StreamedChunk { channels: Vec::new(), task: 1, actions: (0..50).map(action).collect(), align }];
+            let merges = |command: &revprio_core::controller::Command| {
+                command.targets[1].streamed.and_then(|report| report.chunk).is_some_and(|chunk| chunk.merged.is_some())
+            };
+            let arrived = arm.run(1, merges);
+            assert_eq!(arrived.seen, 1);
+            arm.measured.chunks.clear();
+            allocations += arrived.allocations + arm.run(100, |_| true).allocations;
+        }
+        allocations
+    };
+    run(12);
+    assert_eq!(run(4), 0);
 }

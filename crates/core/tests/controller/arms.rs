@@ -131,6 +131,8 @@ pub fn controller(config: ControllerConfig) -> Controller {
 
 pub fn measurement(joint_position: &[f64]) -> Measurement {
     Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,

@@ -126,6 +126,8 @@ fn is_free(step: &ToolStep) -> bool {
         let command = stepper.step(
             &mut memory.clone(),
             &Measurement {
+                channels: Vec::new(),
+                chunks: Vec::new(),
                 wrenches: Vec::new(),
                 obstacles: Vec::new(),
                 time_s: 0.0,

@@ -103,3 +103,63 @@ fn an_arm_stops_before_an_obstacle_that_is_added_and_goes_on_when_it_is_removed(
     let left = (hand(&arm.q) - start - Vector3::new(0.0, 0.5, 0.0)).norm();
     assert!(left < 1e-3, "{left} m");
 }
+
+/// How an arm comes to rest: the time of the last command above 0.1 rad/s, s, and the largest command and the largest change of a command
+/// in the last two seconds, rad/s.
+#[derive(Debug)]
+struct Rest {
+    moves_until: f64,
+    fastest: f64,
+    change: f64,
+}
+
+/// Pulls the hand by `way`, m, at a target behind a wall for 10 s.
+fn pull(tasks: usize, noise: f64, (wall, way): (&Obstacle, [f64; 3])) -> Rest {
+    let mut config = ControllerConfig::clone(controller(vec![wall.clone()]).config());
+    config.tasks.truncate(tasks);
+    let TaskRows::Tool(rows) = &mut config.tasks[0].rows else { unreachable!() };
+    rows.target_displacement = Some(Profile::constant(way.to_vec()).unwrap());
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let mut arm = LaggingArm::at_rest(&HOME, DRIVE, noise, 1);
+    let (mut memory, mut last) = (None, vec![0.0; 7]);
+    let mut rest = Rest { moves_until: 0.0, fastest: 0.0, change: 0.0 };
+    for i in 0..2500 {
+        let time_s = f64::from(i) * PERIOD;
+        let command = stepper.step(&mut memory, &arm.measure(time_s)).unwrap().resolution.joint_velocity.clone();
+        let fastest = command.amax();
+        if fastest > 0.1 {
+            rest.moves_until = time_s;
+        }
+        if time_s >= 8.0 {
+            rest.fastest = rest.fastest.max(fastest);
+            let change = command.iter().zip(&last).map(|(now, before)| (now - before).abs()).fold(0.0, f64::max);
+            rest.change = rest.change.max(change);
+        }
+        last = command.as_slice().to_vec();
+        arm.follow(&last, PERIOD);
+        assert!(distance(&arm.q, wall) > NEAREST - 1e-6 - 5.0 * noise, "{time_s} s: {}", distance(&arm.q, wall));
+    }
+    rest
+}
+
+/// With a posture as the second task the arm rests soon. Without one it first tries what else brings its hand nearer.
+#[test]
+fn an_arm_that_pulls_at_a_target_behind_a_wall_comes_to_rest() {
+    let start = hand(&HOME);
+    let walls = [
+        (0.4, [0.0, 0.5, 0.0]),
+        (0.3, [0.1, 0.6, 0.1]),
+        (0.35, [-0.2, 0.5, -0.2]),
+        (-0.35, [0.1, -0.5, 0.2]),
+        (0.25, [0.2, 0.4, 0.0]),
+    ];
+    for (tasks, latest) in [(1, 4.0), (2, 2.0)] {
+        for noise in [0.0, 1e-4] {
+            for (before, way) in walls {
+                let rest = pull(tasks, noise, (&wall(start.y + before), way));
+                println!("{tasks} tasks, noise {noise}, wall at {before} m: {rest:?}");
+                assert!(rest.moves_until < latest && rest.fastest < 0.02 && rest.change < 0.02, "{rest:?}");
+            }
+        }
+    }
+}

@@ -46,6 +46,8 @@ impl LaggingArm {
     pub(super) fn measure(&mut self, time_s: f64) -> Measurement {
         let joint_position = self.q.iter().map(|q| q + self.noise * self.random.signed()).collect();
         Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s,

@@ -64,6 +64,8 @@ fn answers(size: f64, length: f64, method: Method, seed: u64) -> Vec<Resolution>
         let mut memory: Option<Memory> = None;
         let wrench = [0.0; 6];
         let measured = Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s: 0.0,

@@ -90,6 +90,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
     };
     let last_command = arm.memory.as_ref().map_or(Vector::zeros(7), |memory| memory.last_command.clone());
     Memory {
+        channels: Vec::new(),
         start_time_s: 0.0,
         task_velocities: controller.config().tasks.iter().map(moving).collect(),
         initial_pose: *configuration.tool_pose(),
@@ -103,6 +104,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         stalls: Vec::new(),
         rest: None,
         virtual_arm: None,
+        contacts: Vec::new(),
         in_transition: false,
         target_streams: Vec::new(),
     }

@@ -53,6 +53,8 @@ fn run(joints: usize, seed: u64) -> (u32, f64) {
         };
         let target = StreamedTarget { task: 0, time_s: 0.0, value, velocity: None, ahead: Vec::new() };
         let measured = Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s: f64::from(i) * PERIOD,

@@ -57,6 +57,8 @@ fn run(config: ControllerConfig, start: &[f64], duration: f64) -> Run {
     let mut last = Vector::zeros(joints);
     for i in (0..100_000_u32).take_while(|i| f64::from(*i) * period < duration) {
         let measured = Measurement {
+            channels: Vec::new(),
+            chunks: Vec::new(),
             wrenches: Vec::new(),
             obstacles: Vec::new(),
             time_s: f64::from(i) * period,

@@ -60,6 +60,8 @@ pub(super) fn random_config(robot: &Arc<RobotModel>, limits: &Limits, random: &m
 fn measurement(period: u32, q: &[f64], random: &mut Random) -> Measurement {
     let wrench = [0; 6].map(|_| 5.0 * random.signed());
     Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: f64::from(period) * PERIOD,

@@ -178,6 +178,8 @@ fn a_task_of_one_hand_leaves_the_other_arm_at_rest() {
         ControllerConfig { null_space: None, ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![reach]) };
     let controller = Controller::new(config).unwrap();
     let at_rest = Measurement {
+        channels: Vec::new(),
+        chunks: Vec::new(),
         wrenches: Vec::new(),
         obstacles: Vec::new(),
         time_s: 0.0,
@@ -213,7 +215,7 @@ fn the_wrench_of_a_tip_moves_it_as_that_of_the_tool_moves_the_tool() {
             let config = ControllerConfig { wrench_convention: convention, wrench_frame, ..config };
             Stepper::new(Controller::new(config).unwrap()).unwrap()
         };
-        let mut steppers = [stepper(&two_pandas()), stepper(&two_pandas_with(["right", "left"]))];
+        let mut steppers = vec![stepper(&two_pandas()), stepper(&two_pandas_with(["right", "left"]))];
         let mut memories = [None, None];
         let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 1e-3, 3);
         for i in 0..200_u32 {

@@ -12,6 +12,7 @@ use revprio_robot::profile::Profile;
 use super::arm::Arm;
 use super::drive_limits::DriveLimits;
 use super::environment::Environment;
+use super::moving_obstacles::MovingObstacles;
 use super::profile::external_wrench;
 use super::recording::{AtLimit, Energy, Sample};
 use super::run_error::RunError;
@@ -27,6 +28,7 @@ pub struct Plant {
     environment: Environment,
     sensing: Sensing,
     external_wrench: Option<Profile>,
+    obstacles: MovingObstacles,
     start: [f64; 3],
     tool: ToolState,
     period_s: f64,
@@ -62,6 +64,7 @@ impl Plant {
             environment: Environment::new(&scenario.contacts, start)?,
             sensing: Sensing::new(&scenario.sensors, position.len(), period_s, scenario.seed)?,
             external_wrench: external.map(external_wrench).transpose()?,
+            obstacles: MovingObstacles::new(&scenario.controller, &scenario.obstacle_motions)?,
             start,
             tool: ToolState { configuration, contact_force: [0.0; 3] },
             period_s,
@@ -118,7 +121,7 @@ impl Plant {
             torque: self.in_convention(torque),
         };
         self.sensing.sense(&mut sensed);
-        Measured { sensed, force, torque, external_force }
+        Measured { sensed, obstacles: self.obstacles.states(time_s), force, torque, external_force }
     }
 
     /// Converts a force or torque on the environment to the sign and axes of the controller.
@@ -175,6 +178,7 @@ impl Plant {
             smallest_singular_value: answer.singularity.smallest_singular_value,
             manipulability: answer.singularity.manipulability,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+            channels: answer.channels.values().copied().map(Some).collect(),
             limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: held.is_new,
@@ -190,6 +194,7 @@ fn tool_position(configuration: &Configuration) -> [f64; 3] {
 /// The true state and its measurement.
 pub struct Measured {
     sensed: Sensed,
+    obstacles: Vec<wire::ObstacleState>,
     /// Force F_e on the environment and its torque, base axes.
     force: [f64; 3],
     torque: [f64; 3],
@@ -200,8 +205,9 @@ impl Measured {
     /// Returns the measured state for the controller.
     pub fn state(&self, sequence: u64, time_s: f64) -> wire::State {
         wire::State {
+            channels: BTreeMap::new(),
             wrenches: BTreeMap::new(),
-            obstacles: Vec::new(),
+            obstacles: self.obstacles.clone(),
             sequence,
             time_s,
             joint_position: self.sensed.joint_position.clone().into(),

@@ -7,6 +7,7 @@ use revprio_api::Service;
 use revprio_api::wire;
 
 use super::caller::{CallMode, Caller};
+use super::moving_obstacles::MovingObstacles;
 use super::plant::target_force;
 use super::recording::{AtLimit, Recording, Sample, Sensed, TableLayout, Value};
 use super::run_error::RunError;
@@ -67,6 +68,7 @@ pub fn replay(
     let scenario = recording.setup.as_deref().ok_or(ReplayError::NoController)?;
     let controller = &scenario.controller;
     let refused = |time_s| move |source| RunError::Service { time_s, source };
+    let obstacles = MovingObstacles::new(controller, &scenario.obstacle_motions).map_err(RunError::from)?;
     let mut caller = Caller::open(controller, service, mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
@@ -77,7 +79,8 @@ pub fn replay(
         if scenario.faults.is_down(time_s) {
             again.samples.push(sample.clone());
         } else {
-            let answer = caller.call(state(period, sample)).map_err(refused(time_s))?;
+            let state = wire::State { obstacles: obstacles.states(time_s), ..state(period, sample) };
+            let answer = caller.call(state).map_err(refused(time_s))?;
             again.samples.push(answered(sample, &controller.tasks, &answer, &recording.joint_names));
         }
         let age = usize::try_from(sample.answer_age).ok().and_then(|age| period.checked_sub(age));
@@ -145,6 +148,7 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         joint_velocity: Some(sensed.joint_velocity.into()),
         wrench: Some(wire::Wrench { force: sensed.force, torque: sensed.torque }),
         targets: BTreeMap::new(),
+        channels: BTreeMap::new(),
     }
 }
 
@@ -164,6 +168,7 @@ fn answered(
         smallest_singular_value: answer.singularity.smallest_singular_value,
         manipulability: answer.singularity.manipulability,
         residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
+        channels: answer.channels.values().copied().map(Some).collect(),
         limits: AtLimit::of(answer, joint_names),
         ..sample.clone()
     }

@@ -12,6 +12,7 @@ use super::contact::Contact;
 use super::environment::Environment;
 use super::faults::Faults;
 use super::field_error::{FieldError, between, number, positive};
+use super::moving_obstacles::{MovingObstacles, ObstacleMotion};
 use super::profile::external_wrench;
 use super::sensors::{Sensing, Sensors};
 use super::toml_lines;
@@ -46,6 +47,10 @@ pub struct Scenario {
     /// External force and torque on the tool at the tool point, base axes, N and N·m: six values over time.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub external_wrench: Option<wire::Profile>,
+    /// How obstacles of the controller move that have `moves: true`; those without a motion stand.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"name": "ball", "displacement": {"kind": "constant", "value": [0, 0.1, 0]}}]))]
+    pub obstacle_motions: Vec<ObstacleMotion>,
     /// Errors of the sensors.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
     pub sensors: Sensors,
@@ -252,6 +257,7 @@ impl Scenario {
         self.velocity_loop.check("/velocity_loop")?;
         Environment::new(&self.contacts, [0.0; 3])?;
         self.external_wrench.as_ref().map(external_wrench).transpose()?;
+        MovingObstacles::new(&self.controller, &self.obstacle_motions)?;
         Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
         self.faults.check("/faults")?;
         if self.seed > MAX_SEED {

@@ -58,6 +58,7 @@ impl<'a> Stateless<'a> {
     /// Returns a caller without memory.
     pub fn new(service: &'a dyn Service, controller: wire::Controller) -> Self {
         let nothing = wire::State {
+            channels: BTreeMap::new(),
             wrenches: BTreeMap::new(),
             obstacles: Vec::new(),
             sequence: 0,

@@ -127,6 +127,25 @@ impl Profile {
         matches!(&self.0, Shape::Steps(points) if points.len() > 1)
     }
 
+    /// Returns of each entry the value that is farthest from zero, at the points of the profile.
+    pub fn largest(&self) -> Entries {
+        let farther = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        let all = |points: &mut dyn Iterator<Item = &[f64]>| {
+            points.fold(Entries::from_elem(0.0, self.rows()), |largest, value| {
+                largest.iter().zip(value).map(|(a, b)| farther(*a, *b)).collect()
+            })
+        };
+        match &self.0 {
+            Shape::Constant(value) => Entries::from_slice(value.as_slice()),
+            Shape::Sine { offset, amplitude, .. } => {
+                offset.iter().zip(amplitude).map(|(offset, a)| offset + a.abs().copysign(*offset)).collect()
+            }
+            Shape::Ramp { start, end, .. } => all(&mut [start.as_slice(), end.as_slice()].into_iter()),
+            Shape::Steps(points) => all(&mut points.iter().map(|point| point.value.as_slice())),
+            Shape::Waypoints(spline) => all(&mut spline.values()),
+        }
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {
@@ -231,6 +250,16 @@ mod tests {
                 assert!(acceleration_error.amax() < 1e-6, "{profile:?} at {t}");
             }
         }
+    }
+
+    #[test]
+    fn the_largest_values_are_those_farthest_from_zero() {
+        let constant = Profile::constant(vec![-3.0, 0.0]).unwrap();
+        let sine = Profile::sine(vec![-3.0, 1.0], vec![2.0, -4.0], 1.0, 0.0).unwrap();
+        let ramp = Profile::ramp(vec![1.0, -4.0], vec![-2.0, 3.0], 0.0, 1.0).unwrap();
+        let found: Vec<_> = [constant, sine, ramp, waypoints()].iter().map(Profile::largest).collect();
+        let expected = [[-3.0, 0.0], [-5.0, 5.0], [-2.0, -4.0], [3.0, -6.0]];
+        assert!(found.iter().zip(&expected).all(|(found, expected)| found[..] == expected[..]), "{found:?}");
     }
 
     #[test]

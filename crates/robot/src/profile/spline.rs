@@ -48,6 +48,11 @@ impl Spline {
         self.knots[0].point.value.len()
     }
 
+    /// Returns the values at the points, m entries each.
+    pub fn values(&self) -> impl Iterator<Item = &[f64]> {
+        self.knots.iter().map(|knot| &knot.point.value[..])
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         let next = self.knots.partition_point(|knot| knot.time <= time_s);

@@ -59,6 +59,8 @@ impl Cycle {
         for i in 0..periods {
             let wrench = [0.0; 6];
             cycle.states.push(Measurement {
+                channels: Vec::new(),
+                chunks: Vec::new(),
                 wrenches: Vec::new(),
                 obstacles: Vec::new(),
                 time_s: i as f64 * period,

@@ -2,6 +2,7 @@
 
 use super::null_space::NullSpaceError;
 use super::task::TaskConfigError;
+use crate::channel::ChannelError;
 use crate::collision::CollisionAvoidanceError;
 use crate::constraint::MAX_CONSTRAINT_ROWS;
 use crate::limits::MAX_DRIVE_DELAY;
@@ -63,6 +64,14 @@ pub enum ConfigError {
     ConstraintRows {
         /// Rows of all constraints.
         given: usize,
+    },
+    /// A channel is refused.
+    #[error("{source}")]
+    Channel {
+        /// Index of the channel, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: ChannelError,
     },
     /// The controller cannot keep clear of obstacles.
     #[error(transparent)]

@@ -9,6 +9,7 @@ use super::null_space::NullSpaceMotion;
 use super::task::TaskConfig;
 use super::velocity_limits::Limits;
 use super::wrench::{WrenchConvention, WrenchFrame};
+use crate::channel::ChannelConfig;
 use crate::collision::CollisionAvoidanceError;
 use crate::constraint::{self, Constraint, MAX_CONSTRAINT_ROWS};
 use crate::limits::{Drive, LimitKind, MAX_DRIVE_DELAY};
@@ -66,6 +67,8 @@ pub struct ControllerConfig {
     pub anti_windup: AntiWindup,
     /// The tasks, highest priority first.
     pub tasks: Vec<TaskConfig>,
+    /// Channels besides the joints, such as a gripper.
+    pub channels: Vec<ChannelConfig>,
 }
 
 impl ControllerConfig {
@@ -91,6 +94,7 @@ impl ControllerConfig {
             wrench_frame: WrenchFrame::default(),
             anti_windup: AntiWindup::default(),
             tasks,
+            channels: Vec::new(),
         }
     }
 
@@ -116,6 +120,7 @@ impl ControllerConfig {
         if !(lag_s.is_finite() && lag_s >= 0.0 && delay_periods <= MAX_DRIVE_DELAY) {
             return Err(ConfigError::Drive);
         }
+        ChannelConfig::check_all(&self.channels).map_err(|(index, source)| ConfigError::Channel { index, source })?;
         let joints = self.robot.joint_count();
         self.check_collisions()?;
         if let Some(index) = self.constraints.iter().position(|constraint| !constraint.fits(&self.robot)) {

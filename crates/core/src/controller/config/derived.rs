@@ -9,7 +9,7 @@ use super::velocity_limits::Limits;
 use crate::arm_state::{ArmState, JointCapability, Needs};
 use crate::collision::CollisionGuard;
 use crate::constraint::{self, Constraint};
-use crate::law::{Law, MotionPath};
+use crate::law::{ContactAxis, ContactLaw, Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
@@ -54,6 +54,23 @@ impl ControllerConfig {
         self.damping.map(|damping| damping.for_reaction(reaction))
     }
 
+    /// Returns the number of axes with the contact law.
+    pub(in crate::controller) fn contact_axes(&self) -> usize {
+        self.tasks.iter().filter_map(|task| task.law.contact()).map(ContactLaw::rows).sum()
+    }
+
+    /// Returns the axes of task `k` among those of all tasks; `None` for other laws, and if there are no axes yet.
+    pub(in crate::controller) fn contacts_of<'a>(
+        &self,
+        k: usize,
+        axes: &'a [ContactAxis],
+    ) -> Option<&'a [ContactAxis]> {
+        let law = self.tasks[k].law.contact()?;
+        let before = self.tasks[..k].iter().filter_map(|task| task.law.contact());
+        let first: usize = before.map(ContactLaw::rows).sum();
+        axes.get(first..first + law.rows())
+    }
+
     /// Returns what *near singular* means to this controller: its damping, or that of most arms if it damps nothing.
     ///
     /// Below [`Damping::threshold`] a direction is near singular and damped. Below [`Damping::fading_threshold`] a task gives
@@ -85,7 +102,7 @@ impl ControllerConfig {
     /// Returns whether the arm may leave postures in which task `k` is stuck: the tasks follow positions or velocities,
     /// no force, so the tool is not in contact.
     pub(in crate::controller) fn may_leave(&self, k: usize) -> bool {
-        let is_free = |task: &TaskConfig| !task.law.integrates();
+        let is_free = |task: &TaskConfig| !task.law.reads_wrench();
         self.leave_local_minima
             && k > 0
             && matches!(self.tasks[k].law, Law::Position(_))
@@ -119,7 +136,7 @@ impl ControllerConfig {
     }
 
     /// Returns what the limits of the controller permit the joints to give.
-    pub(super) fn joint_capability(&self) -> JointCapability {
+    pub(in crate::controller) fn joint_capability(&self) -> JointCapability {
         let joints = 0..self.robot.joint_count();
         let (speed, deceleration) = joints.clone().map(|joint| speed_and_deceleration(self, joint)).unzip();
         let jerk = joints.map(|joint| joint_jerk(self, joint)).collect();

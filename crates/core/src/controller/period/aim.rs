@@ -1,6 +1,8 @@
 //! The second step: what the tasks wish.
 
 mod braking;
+mod channels;
+mod contacts;
 mod gains;
 mod look_ahead;
 mod null_space;
@@ -8,16 +10,18 @@ mod streams;
 
 pub use self::braking::BRAKING_SHARE;
 use self::braking::RequestBounds;
+pub(super) use self::contacts::Contacts;
 pub(super) use self::gains::Gains;
 use self::look_ahead::{LookAhead, Scene};
 use crate::arm_state::ArmState;
+use crate::channel::ChannelState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
-use crate::controller::state::{Memory, TaskTarget, VirtualArm};
+use crate::controller::state::{Measurement, Memory, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
 use crate::linalg::{Matrix, Vector, row_times};
 use crate::resolution::Problem;
-use crate::streaming::{ActiveStream, Quantity, StreamedTarget, TargetValue, TaskStreams};
+use crate::streaming::{ActiveStream, Quantity, TargetValue, TaskStreams};
 use crate::task::{Task, TaskError, TaskStack};
 
 /// What the tasks wish in one period.
@@ -36,12 +40,16 @@ pub(super) struct Requests<'a> {
     pub targets: &'a [TaskTarget],
     /// The streams of targets.
     pub streams: &'a [ActiveStream],
+    /// The axes with the contact law.
+    pub contacts: &'a Contacts,
     /// What the tasks gain.
     pub gains: &'a Gains,
     /// s, the share of all requests that remains.
     pub share: f64,
     /// The virtual arm; `None`: no law looks ahead.
     pub virtual_arm: Option<&'a VirtualArm>,
+    /// The channels besides the joints.
+    pub channels: &'a [ChannelState],
 }
 
 /// The memory of this step.
@@ -52,7 +60,9 @@ pub(super) struct Aiming {
     streams: Vec<ActiveStream>,
     bounds: RequestBounds,
     gains: Gains,
+    contacts: Contacts,
     look_ahead: Option<LookAhead>,
+    channels: Vec<ChannelState>,
 }
 
 impl Aiming {
@@ -73,7 +83,9 @@ impl Aiming {
             streams: Vec::new(),
             bounds: RequestBounds::new(config),
             gains: Gains::default(),
+            contacts: Contacts::new(config),
             look_ahead: LookAhead::new(config),
+            channels: config.channels.iter().map(|_| ChannelState::default()).collect(),
         })
     }
 
@@ -93,25 +105,28 @@ fn empty_task(task: &TaskConfig, n: usize) -> Task {
     Task { scaled: task.scaled, ..empty }
 }
 
-/// Returns the wishes of a period. `given`: the targets that came with the measurement.
+/// Returns the wishes of a period.
 pub(super) fn aim<'a>(
     config: &ControllerConfig,
     arm: &ArmState,
     previous: &Memory,
-    given: &[StreamedTarget],
-    Aiming { problem, targets, streams, bounds, gains, look_ahead }: &'a mut Aiming,
+    measurement: &Measurement,
+    Aiming { problem, targets, streams, bounds, gains, contacts, look_ahead, channels }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;
-    streams::update(streams, previous, given, arm, config);
+    streams::update(streams, previous, (&measurement.targets, &measurement.chunks), arm, config);
+    channels::update(channels, previous, measurement, streams, (arm, config));
     tasks.overwrite_jacobians(|k, jacobian| {
         config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
         config.weigh_jacobian(k, jacobian);
     })?;
     bounds.start_period();
     gains.start(previous.rest.as_ref(), config.tasks.len());
+    contacts.start_period(config, arm, previous, tasks);
     for (k, target) in targets.iter_mut().enumerate() {
-        evaluate_law(k, target, (bounds, gains), (config, arm, previous), (tasks, streams));
+        evaluate_law(k, target, (bounds, gains, contacts), (config, arm, previous), (tasks, streams));
     }
+    contacts.release_tasks_above_a_retreat(targets, tasks)?;
     match null_space_velocity {
         // An operator who lost the link expects an arm that rests.
         Some(velocity) if streams::have_dropped_out(streams) => velocity.fill(0.0),
@@ -133,14 +148,14 @@ pub(super) fn aim<'a>(
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
     let virtual_arm = look_ahead.as_ref().map(LookAhead::virtual_arm);
-    Ok(Wishes { problem, requests: Requests { targets, streams, gains, share, virtual_arm } })
+    Ok(Wishes { problem, requests: Requests { targets, streams, contacts, gains, share, virtual_arm, channels } })
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.
 fn evaluate_law(
     k: usize,
     target: &mut TaskTarget,
-    (bounds, gains): (&mut RequestBounds, &mut Gains),
+    (bounds, gains, contacts): (&mut RequestBounds, &mut Gains, &mut Contacts),
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
     (tasks, streams): (&TaskStack, &[ActiveStream]),
 ) {
@@ -158,6 +173,10 @@ fn evaluate_law(
     let mut force = task.law.target_force(arm.profile_time(arm.time_s));
     if let Some(streamed) = streams.values() {
         force.iter_mut().zip(streamed.iter()).for_each(|(force, value)| *force = force.map(|_| *value));
+    }
+    if let Law::Contact(law) = &task.law {
+        let terms = (law, &state, integrator);
+        contacts.press(k, terms, &mut force, (config, arm, tasks, bounds), (&mut velocity, &mut target.contact));
     }
     if streams.force_brakes() {
         let max_change = |row| task.bound(Quantity::Force, row, &arm.robot).acceleration * config.period_s;

@@ -7,6 +7,7 @@ use std::ops::Deref;
 
 use revprio_robot::kinematics::ConfigurationError;
 
+use self::late_state::Missed;
 use crate::arm_state::ArmState;
 use crate::controller::config::{ControllerConfig, on_environment};
 use crate::controller::state::{Measurement, Memory};
@@ -54,8 +55,9 @@ pub(super) fn measure<'a, 'm>(
     measurement: &Measurement,
     arm: &'a mut ArmState,
 ) -> Result<(&'a ArmState, Known<'m>), ConfigurationError> {
-    let late = memory.and_then(|memory| memory.after_missed_periods(config, measurement)).map(Known::Late);
-    let known = late.or_else(|| memory.map(Known::Last));
+    let late = memory.and_then(|memory| memory.after_missed_periods(config, measurement));
+    let (late, missed) = late.unzip();
+    let known = late.map(Known::Late).or_else(|| memory.map(Known::Last));
     let last_command = known.as_ref().map(|known| known.last_command.as_slice());
     match (&measurement.joint_velocity, last_command) {
         (Some(measured), _) => arm.move_to(&measurement.joint_position, measured)?,
@@ -63,6 +65,13 @@ pub(super) fn measure<'a, 'm>(
         (None, None) => arm.stand_at(&measurement.joint_position)?,
     }
     read_wrenches(config, measurement, arm);
+    if let Some(Missed { way, time }) = missed {
+        arm.missed_way.copy_from_slice(way.as_slice());
+        arm.missed_time = time;
+    } else {
+        arm.missed_way.fill(0.0);
+        arm.missed_time = 0.0;
+    }
     let tool_pose = *arm.measured().configuration.tool_pose();
     let initial_pose = known.as_ref().map_or(tool_pose, |known| known.initial_pose);
     (arm.time_s, arm.initial_pose) = (measurement.time_s, initial_pose);

@@ -60,7 +60,7 @@ impl Period {
         memory.as_ref().map_or(Ok(()), |memory| memory.check(config))?;
 
         let (arm, known) = measure(config, memory.as_ref(), measurement, arm)?;
-        let Wishes { problem, requests } = aim(config, arm, &known, &measurement.targets, aiming)?;
+        let Wishes { problem, requests } = aim(config, arm, &known, measurement, aiming)?;
         let allowed = allow(config, (arm, &known, &measurement.obstacles), allowed, guard.as_mut());
         let answer = resolve(config, (arm, &known), problem, (allowed, guard.as_mut()), resolving)?;
 

@@ -1,5 +1,6 @@
 //! The fifth step: the command with its explanation, and the memory for the next period.
 
+mod contacts;
 mod next_memory;
 mod progress;
 mod stalls;
@@ -12,6 +13,7 @@ use super::aim::{Gains, Requests};
 use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
+use crate::channel::ChannelState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, are_moving, has_jumped};
 use crate::linalg::Vector;
@@ -34,13 +36,20 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams, gains, share, virtual_arm }, allowed): (&ArmState, Requests, &Allowed),
+    (arm, Requests { targets, streams, contacts, gains, share, virtual_arm, channels }, allowed): (
+        &ArmState,
+        Requests,
+        &Allowed,
+    ),
     Answer { problem, command, limits, requested }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
 ) -> &'a Command {
     remove_weights(config, &mut command.resolution.tasks, targets);
     copy_targets(&mut command.targets, targets);
+    command.channels.clear();
+    command.channels.extend(channels.iter().map(|channel| channel.command));
+    remember_channels(&mut memory.channels, channels);
     report_bounds(config, command);
     let causes = command.resolution.active_limits().map(|(joint, active)| limits.cause(joint, active.bound.side));
     command.limit_causes.clear();
@@ -63,6 +72,7 @@ pub(super) fn record<'a>(
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
+    contacts::update(&mut memory.contacts, (config, &memory.drive), contacts, &problem.tasks, &command.resolution);
     next_memory::update(memory, config, measurement, (command, requested), streams);
     let observed = Observation {
         config,
@@ -129,12 +139,19 @@ fn remove_weights(config: &ControllerConfig, outcomes: &mut [TaskOutcome], targe
     }
 }
 
+/// Keeps the channels, without allocating if the memory has them.
+fn remember_channels(memory: &mut Vec<ChannelState>, channels: &[ChannelState]) {
+    memory.resize_with(channels.len(), ChannelState::default);
+    memory.iter_mut().zip(channels).for_each(|(known, channel)| known.clone_from(channel));
+}
+
 /// Copies targets of the same sizes.
 fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
     for (target, wished) in targets.iter_mut().zip(wished) {
         target.velocity.copy_from(&wished.velocity);
         target.force.clone_from(&wished.force);
         target.streamed = wished.streamed;
+        target.contact.clone_from(&wished.contact);
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Command {
     pub hold: Hold,
     /// Distances and how they restrict the command; `None`: the controller watches none.
     pub collisions: Option<CollisionReport>,
+    /// The commands of the channels, in their order; `None`: no target came yet.
+    pub channels: Vec<Option<f64>>,
     /// H, joint-limit index: 0 with all joints in the middle of their ranges, ½ with all at a limit. Paper: Eq. (8).
     pub joint_limit_index: f64,
 }

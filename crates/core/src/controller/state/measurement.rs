@@ -1,10 +1,11 @@
 //! What the arm measures.
 
 use super::step_error::StepError;
+use crate::channel::ChannelInput;
 use crate::collision::ObstacleState;
 use crate::constraint;
 use crate::controller::config::ControllerConfig;
-use crate::streaming::StreamedTarget;
+use crate::streaming::{StreamedChunk, StreamedTarget};
 
 /// The measured state of one period.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,10 @@ pub struct Measurement {
     pub wrenches: Vec<TipWrench>,
     /// Streamed targets that arrived since the last measurement, at most one per task and quantity; usually none.
     pub targets: Vec<StreamedTarget>,
+    /// Chunks of actions that arrived since the last measurement; usually none.
+    pub chunks: Vec<StreamedChunk>,
+    /// What arrived for the channels; usually nothing.
+    pub channels: Vec<ChannelInput>,
     /// Where the moving obstacles of the controller are; each must be named.
     pub obstacles: Vec<ObstacleState>,
 }
@@ -46,10 +51,17 @@ impl Measurement {
         if !(self.time_s.is_finite() && wrenches.flatten().all(|entry| entry.is_finite())) {
             return Err(StepError::NotFinite);
         }
+        let numbers = |input: &ChannelInput| input.measured.into_iter().chain(input.target).all(f64::is_finite);
+        if !self.channels.iter().all(|input| input.channel < config.channels.len() && numbers(input)) {
+            return Err(StepError::Channel);
+        }
         self.check_tips(config.robot.tips().len())?;
         self.check_obstacles(config)?;
         for (index, target) in self.targets.iter().enumerate() {
             target.check(config, self.time_s).map_err(|source| StepError::Target { index, source })?;
+        }
+        for (index, chunk) in self.chunks.iter().enumerate() {
+            chunk.check(config, self.time_s).map_err(|source| StepError::Chunk { index, source })?;
         }
         Ok(())
     }

@@ -9,11 +9,15 @@ use super::rest::RestState;
 use super::stall::Stall;
 use super::virtual_arm::VirtualArm;
 use crate::arm_state::ArmAt;
+use crate::channel::ChannelState;
 use crate::controller::config::{ControllerConfig, TaskConfig};
+use crate::law::ContactAxis;
 use crate::limits::DriveState;
 use crate::linalg::{Vector, all_finite};
 use crate::resolution::{ActiveSet, Bound, BoundId};
-use crate::streaming::{MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue};
+use crate::streaming::{
+    Chunk, Fade, MAX_KEPT_ACTIONS, MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue,
+};
 
 /// Time above which a clock counts from the year 1970, s, and no profile does: the year 2001.
 pub const UNIX_TIME_S: f64 = 1e9;
@@ -50,8 +54,12 @@ pub struct Memory {
     pub rest: Option<RestState>,
     /// The virtual arm; `None`: no law looks ahead, or the next step starts from the arm.
     pub virtual_arm: Option<VirtualArm>,
+    /// What the contact law remembers, per axis, in the order of the tasks; empty: the next step starts.
+    pub contacts: Vec<ContactAxis>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
+    /// The channels of the controller, in their order; empty: no command was given.
+    pub channels: Vec<ChannelState>,
 }
 
 /// Why a memory is refused: it belongs to another controller or is damaged.
@@ -76,6 +84,9 @@ pub enum MemoryError {
     /// The virtual arm does not fit the robot.
     #[error("the memory's virtual arm does not fit the robot; send back the memory of this controller's last answer")]
     VirtualArm,
+    /// The contacts do not fit the tasks.
+    #[error("the memory's contacts do not fit the tasks; send back the memory of this controller's last answer")]
+    Contacts,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -96,6 +107,9 @@ pub enum MemoryError {
         "the memory's active set does not fit the controller; send back the memory of this controller's last answer"
     )]
     ActiveSet,
+    /// The channels do not fit the controller.
+    #[error("the memory's channels do not fit the controller; send back the memory of this controller's last answer")]
+    Channels,
     /// A stream of targets does not fit the tasks.
     #[error("the memory's targets do not fit the tasks; send back the memory of this controller's last answer")]
     Targets,
@@ -120,7 +134,9 @@ impl Memory {
             stalls: Vec::new(),
             rest: None,
             virtual_arm: None,
+            contacts: Vec::new(),
             in_transition: false,
+            channels: Vec::new(),
         }
     }
 
@@ -163,6 +179,14 @@ impl Memory {
         }
         if !self.virtual_arm.as_ref().is_none_or(|arm| arm.is_valid(n, target_rows(config))) {
             return Err(MemoryError::VirtualArm);
+        }
+        let count = self.channels.len();
+        if (count != 0 && count != config.channels.len()) || !self.channels.iter().all(ChannelState::is_valid) {
+            return Err(MemoryError::Channels);
+        }
+        let count = self.contacts.len();
+        if (count != 0 && count != config.contact_axes()) || !self.contacts.iter().all(ContactAxis::is_valid) {
+            return Err(MemoryError::Contacts);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {
@@ -227,6 +251,23 @@ pub(in crate::controller) fn fits_task(stream: &TargetStream, config: &Controlle
             .first()
             .is_none_or(|first| stream.newest.as_ref().is_some_and(|newest| first.time_s > newest.time_s))
         && stream.ahead.len() <= MAX_TARGETS_AHEAD
+        && fits_chunk(&stream.chunk, fits_value, fits_velocity)
+        && (stream.chunk.actions.is_empty() || stream.newest.is_some())
         && fits_value(&stream.reference.value)
         && fits_velocity(&stream.reference.velocity)
+}
+
+/// Returns whether the actions of a chunk are in order, and their values and what fades fit a task.
+fn fits_chunk(chunk: &Chunk, fits_value: impl Fn(&TargetValue) -> bool, fits_entries: impl Fn(&[f64]) -> bool) -> bool {
+    let Chunk { actions, merged_s, first_s, fade } = chunk;
+    let fits_fade = |fade: &Fade| {
+        let is_time = fade.start_s.is_finite() && fade.duration_s.is_finite() && fade.duration_s > 0.0;
+        is_time && [&fade.offset, &fade.rate, &fade.acceleration].into_iter().all(|entries| fits_entries(entries))
+    };
+    merged_s.is_finite()
+        && first_s.is_none_or(f64::is_finite)
+        && actions.len() <= MAX_KEPT_ACTIONS
+        && actions.iter().all(|action| action.time_s.is_finite() && fits_value(&action.value))
+        && actions.windows(2).all(|pair| pair[1].time_s - pair[0].time_s > 0.0)
+        && fade.as_ref().is_none_or(fits_fade)
 }

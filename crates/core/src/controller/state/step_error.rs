@@ -5,7 +5,7 @@ use revprio_robot::kinematics::ConfigurationError;
 use super::memory::MemoryError;
 use crate::collision::ObstacleError;
 use crate::resolution::ProblemError;
-use crate::streaming::TargetError;
+use crate::streaming::{ChunkError, TargetError};
 use crate::task::TaskError;
 
 /// Why a measurement is refused.
@@ -39,6 +39,17 @@ pub enum StepError {
         /// What is wrong with it.
         source: TargetError,
     },
+    /// A chunk of actions does not fit its task.
+    #[error("{source}")]
+    Chunk {
+        /// Index of the chunk in the measurement, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: ChunkError,
+    },
+    /// The controller has no such channel, or a number of it is not finite.
+    #[error("a channel needs finite numbers, and the controller must have it")]
+    Channel,
     /// The controller has no moving obstacle of this name.
     #[error("the controller has no moving obstacle `{name}`")]
     UnknownObstacle {

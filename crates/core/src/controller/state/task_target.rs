@@ -1,5 +1,6 @@
 //! What a task demands in one period.
 
+use crate::law::ContactReport;
 use crate::linalg::Vector;
 use crate::streaming::TargetReport;
 
@@ -12,4 +13,6 @@ pub struct TaskTarget {
     pub force: Vec<Option<f64>>,
     /// The streamed target; `None` if no target was streamed to this task.
     pub streamed: Option<TargetReport>,
+    /// The contact of each row; empty for other laws than the contact law.
+    pub contact: Vec<ContactReport>,
 }

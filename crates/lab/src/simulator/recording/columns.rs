@@ -22,6 +22,8 @@ pub struct TableLayout<'a> {
     pub joints: &'a [String],
     /// Number of tasks.
     pub tasks: usize,
+    /// Number of channels.
+    pub channels: usize,
     /// Whether the controller received other values than the true state.
     pub sensed: bool,
     /// Whether real times are included.
@@ -35,6 +37,7 @@ impl<'a> TableLayout<'a> {
         Self {
             joints: &recording.joint_names,
             tasks: first.map_or(0, |sample| sample.residual_norms.len()),
+            channels: recording.samples.last().map_or(0, |sample| sample.channels.len()),
             sensed: first.is_some_and(|sample| sample.sensed.is_some()),
             timed,
         }
@@ -43,12 +46,18 @@ impl<'a> TableLayout<'a> {
     /// Returns the layout of a table with these column names.
     pub fn from_column_names<'n>(joints: &'a [String], names: &(impl Iterator<Item = &'n str> + Clone)) -> Self {
         let count = |start: &str| names.clone().filter(|name| name.starts_with(start)).count();
-        Self { joints, tasks: count("residual_task_"), sensed: count("sensed_") > 0, timed: count("round_trip_us") > 0 }
+        Self {
+            joints,
+            tasks: count("residual_task_"),
+            channels: count("channel_"),
+            sensed: count("sensed_") > 0,
+            timed: count("round_trip_us") > 0,
+        }
     }
 
     /// Returns an empty sample with this layout.
     pub fn empty_sample(&self) -> (Sample, Timing) {
-        (Sample::zeros(self.joints.len(), self.tasks, self.sensed), Timing::default())
+        (Sample::zeros(self.joints.len(), self.tasks, self.channels, self.sensed), Timing::default())
     }
 
     /// Returns all columns.
@@ -69,6 +78,7 @@ impl<'a> TableLayout<'a> {
             Per::Axis => words(&["x", "y", "z"]),
             Per::QuaternionPart => words(&["w", "x", "y", "z"]),
             Per::Task => (1..=self.tasks).map(|k| k.to_string()).collect(),
+            Per::Channel => (1..=self.channels).map(|k| k.to_string()).collect(),
         };
         let column = |(index, label): (usize, String)| {
             let parts = [quantity.name, &label, quantity.unit];

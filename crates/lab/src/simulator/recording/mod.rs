@@ -122,6 +122,9 @@ pub struct Sample {
     pub manipulability: f64,
     /// Residual ‖J_k q̇ − ẋ_k‖ of each task, highest priority first.
     pub residual_norms: Vec<f64>,
+    /// Commands of the channels, in the order of their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<Option<f64>>,
     /// Relation of each joint velocity to its limits, n.
     pub limits: Vec<AtLimit>,
     /// Energy of the contacts so far.
@@ -216,8 +219,8 @@ impl Sample {
         self.limits.iter().any(|limit| *limit != AtLimit::Free)
     }
 
-    /// Returns a sample of zeros for the given number of joints and tasks.
-    fn zeros(joints: usize, tasks: usize, sensed: bool) -> Self {
+    /// Returns a sample of zeros for the given number of joints, tasks and channels.
+    fn zeros(joints: usize, tasks: usize, channels: usize, sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
@@ -227,6 +230,7 @@ impl Sample {
             joint_velocity: row.clone(),
             actual_velocity: row.clone(),
             residual_norms: vec![0.0; tasks],
+            channels: vec![None; channels],
             limits: vec![AtLimit::Free; joints],
             ..Self::at_rest()
         }
@@ -254,6 +258,7 @@ impl Sample {
             smallest_singular_value: 0.2,
             manipulability: 0.1,
             residual_norms: Vec::new(),
+            channels: Vec::new(),
             limits: Vec::new(),
             energy: Energy::default(),
             answered: true,

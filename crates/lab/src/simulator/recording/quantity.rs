@@ -16,6 +16,8 @@ pub enum Per {
     QuaternionPart,
     /// One value per task, highest priority first.
     Task,
+    /// One value per channel of the controller.
+    Channel,
 }
 
 /// Kind of a value.
@@ -70,7 +72,7 @@ impl Quantity {
 }
 
 /// Names of the quantities that come from the answer of the service.
-const ANSWERED: [&str; 9] = [
+const ANSWERED: [&str; 10] = [
     "velocity",
     "target_force",
     "path",
@@ -79,6 +81,7 @@ const ANSWERED: [&str; 9] = [
     "smallest_singular_value",
     "manipulability",
     "residual_task",
+    "channel",
     "limit",
 ];
 
@@ -116,7 +119,7 @@ macro_rules! quantities {
 }
 
 /// All quantities, in the order of their columns. To add one, add a field to [`Sample`] and a line here.
-pub static QUANTITIES: [Quantity; 30] = quantities! {
+pub static QUANTITIES: [Quantity; 31] = quantities! {
     "time" "s" Period Number sample.time_s "simulated time";
     "position" "rad" Joint Number sample.joint_position "joint position q; m for a prismatic joint";
     "velocity" "rad_s" Joint Number sample.joint_velocity "commanded joint velocity q̇; m/s for a prismatic joint";
@@ -136,6 +139,7 @@ pub static QUANTITIES: [Quantity; 30] = quantities! {
     "torque" "n_m" Axis Number sample.torque "torque of F_e at the tool point";
     "external_force" "n" Axis Number sample.external_force "external push on the tool, a part of −F_e";
     "manipulability" "" Period Number sample.manipulability "product of the singular values of all task rows";
+    "channel" "" Channel OptionalNumber sample.channels "command of each channel of the controller in the order of their names, m, rad, N or N·m";
     "limit" "" Joint Word sample.limits "`free`, at an active bound (`lower`, `upper`), or beyond a bound (`below`, `above`)";
     "work" "j" Period Number sample.energy.work_j "work done on the contacts so far";
     "stored" "j" Period Number sample.energy.stored_j "energy stored in the contacts";

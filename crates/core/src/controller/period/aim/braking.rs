@@ -140,6 +140,24 @@ impl RequestBounds {
         }
     }
 
+    /// Returns the acceleration that the joints can give row `row` of task `k` while the other tasks keep their velocities, m/s²
+    /// or rad/s²; infinite without limits.
+    pub fn row_acceleration(
+        &mut self,
+        (k, row): (usize, usize),
+        (config, joints): (&ControllerConfig, &JointCapability),
+        tasks: &TaskStack,
+    ) -> f64 {
+        let jacobian = &tasks.tasks()[k].jacobian;
+        let unit =
+            TaskVector::from_fn(jacobian.nrows(), |other| if other == row { config.weight(k, row) } else { 0.0 });
+        self.update_joint_velocity(k, tasks, &unit);
+        let ratios = joints.deceleration.iter().zip(&self.joint_velocity).map(|(a, w)| a / w.abs());
+        // Near a singularity w moves the row less than asked.
+        let moved: f64 = jacobian.row(row).iter().zip(&self.joint_velocity).map(|(entry, w)| entry * w).sum();
+        ratios.fold(f64::INFINITY, f64::min) * (moved / config.weight(k, row)).abs()
+    }
+
     /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them.
     pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
         self.row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));

@@ -3,13 +3,16 @@
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::Memory;
-use crate::streaming::{ActiveStream, LaterTarget, StreamedTarget, Target, TargetAhead, TargetState, TargetStream};
+use crate::streaming::{
+    Action, ActiveStream, Align, Arriving, LaterTarget, Quantity, StreamedChunk, StreamedTarget, Target, TargetAhead,
+    TargetState, TargetStream,
+};
 
 /// Overwrites `streams` with the streams of this period.
 pub(super) fn update(
     streams: &mut Vec<ActiveStream>,
     previous: &Memory,
-    given: &[StreamedTarget],
+    (targets, chunks): (&[StreamedTarget], &[StreamedChunk]),
     arm: &ArmState,
     config: &ControllerConfig,
 ) {
@@ -21,12 +24,15 @@ pub(super) fn update(
         }
     }
     for active in &mut *streams {
-        active.ignored = None;
+        (active.ignored, active.merged) = (None, None);
         active.stream.advance(config.period_s);
-        active.stream.forget_future(arm.time_s);
+        active.stream.forget(arm.time_s);
     }
-    for target in given {
+    for target in targets {
         accept(streams, target, previous, arm, config);
+    }
+    for chunk in chunks {
+        merge(streams, chunk, previous, arm, config);
     }
     for active in streams {
         advance(active, previous, arm, config);
@@ -46,16 +52,8 @@ fn accept(
     arm: &ArmState,
     config: &ControllerConfig,
 ) {
-    let (k, quantity) = (given.task, given.value.quantity());
-    let task = &config.tasks[k];
-    let index = match streams.binary_search_by_key(&(k, quantity), ActiveStream::key) {
-        Ok(index) => index,
-        Err(index) => {
-            let reference = task.rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice());
-            streams.insert(index, ActiveStream::new(TargetStream::new(k, quantity, reference)));
-            index
-        }
-    };
+    let task = &config.tasks[given.task];
+    let index = found_or_started(streams, (given.task, given.value.quantity()), previous, arm, config);
     let (value, velocity) = task.rows.target(given, arm.measured());
     let later = |ahead: &TargetAhead| LaterTarget {
         time_s: given.time_s + ahead.after_s,
@@ -65,6 +63,56 @@ fn accept(
     let target = Target { time_s: given.time_s, value, velocity };
     let ignored = streams[index].stream.accept(target, ahead, &task.streaming);
     streams[index].ignored = ignored.or(streams[index].ignored);
+}
+
+/// Merges a checked chunk into its stream, which it starts if there is none.
+fn merge(
+    streams: &mut Vec<ActiveStream>,
+    given: &StreamedChunk,
+    previous: &Memory,
+    arm: &ArmState,
+    config: &ControllerConfig,
+) {
+    let Some(first) = given.actions.first() else { return };
+    let (task, quantity) = (&config.tasks[given.task], first.value.quantity());
+    let index = found_or_started(streams, (given.task, quantity), previous, arm, config);
+    let due = |action: &Action| LaterTarget {
+        time_s: action.time_s + task.streaming.delay_s,
+        value: task.rows.target_value(&action.value, arm.measured()),
+    };
+    let is_placed = given.align == Align::Progress && quantity.is_position();
+    let place = is_placed.then(|| {
+        let achieved = previous.task_velocities[given.task].as_slice();
+        task.rows.actual(achieved, arm.at_rest()).value
+    });
+    let arriving = Arriving {
+        actions: given.actions.iter().map(due),
+        first_s: first.time_s,
+        align: given.align,
+        place: place.as_ref(),
+    };
+    let active = &mut streams[index];
+    let bound = |entry: usize| task.bound(quantity, entry, &arm.robot);
+    match active.stream.merge(arriving, arm.time_s, &task.streaming, bound) {
+        Ok(merged) => active.merged = Some(merged),
+        Err(ignored) => active.ignored = Some(ignored),
+    }
+}
+
+/// Returns the index of the stream of a task and quantity, which starts at the target of the configuration if there is none.
+fn found_or_started(
+    streams: &mut Vec<ActiveStream>,
+    key: (usize, Quantity),
+    previous: &Memory,
+    arm: &ArmState,
+    config: &ControllerConfig,
+) -> usize {
+    streams.binary_search_by_key(&key, ActiveStream::key).unwrap_or_else(|index| {
+        let (k, quantity) = key;
+        let reference = config.tasks[k].rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice());
+        streams.insert(index, ActiveStream::new(TargetStream::new(k, quantity, reference)));
+        index
+    })
 }
 
 /// Computes the reference of this period.

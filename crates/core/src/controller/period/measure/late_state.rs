@@ -22,6 +22,14 @@ const MAX_MISSED: f64 = 1e9;
 /// noise.
 const CLOCK_TOLERANCE: f64 = 1e-3;
 
+/// What the joints did in the periods without a state.
+pub(super) struct Missed {
+    /// How far they moved behind the modelled drive, n, rad or m.
+    pub way: Vector,
+    /// For how long, s.
+    pub time: f64,
+}
+
 impl AnsweredState {
     /// Returns how many periods passed until a measurement without a state; 0 if it comes in time or earlier.
     fn missed_periods(&self, time_s: f64, period: f64) -> usize {
@@ -33,8 +41,13 @@ impl AnsweredState {
 }
 
 impl Memory {
-    /// Returns the memory after the periods that passed without a state before `measurement`; `None`: none passed.
-    pub(super) fn after_missed_periods(&self, config: &ControllerConfig, measurement: &Measurement) -> Option<Self> {
+    /// Returns the memory after the periods that passed without a state before `measurement`, and how far the joints moved in
+    /// them; `None`: none passed.
+    pub(super) fn after_missed_periods(
+        &self,
+        config: &ControllerConfig,
+        measurement: &Measurement,
+    ) -> Option<(Self, Missed)> {
         let answered = self.answered.as_ref()?;
         let period = config.period_s;
         let missed = answered.missed_periods(measurement.time_s, period);
@@ -49,7 +62,8 @@ impl Memory {
         // Beyond what one period explains.
         let moved = Vector::from_row_slice(&measurement.joint_position) - &answered.joint_position;
         let further = moved - &self.drive.velocity * period;
-        if further.norm() + CLOCK_TOLERANCE < (&further - travelled).norm() {
+        let fits_one_period = further.norm() + CLOCK_TOLERANCE;
+        if fits_one_period < (further - &travelled).norm() {
             return None;
         }
         let jumps = config.limits_let_joints_jump();
@@ -58,7 +72,7 @@ impl Memory {
         if let Some(jerk) = &mut later.jerk {
             jerk.acceleration.fill(0.0);
         }
-        Some(later)
+        Some((later, Missed { way: travelled, time: missed as f64 * period }))
     }
 }
 

@@ -14,6 +14,7 @@ use revprio_robot::{RobotModel, built_in};
 use super::super::{Recording, Sample};
 use super::messages::{BASE, quaternion, timestamp, vector};
 use super::shapes;
+use crate::simulator::moving_obstacles::MovingObstacles;
 use crate::simulator::{Contact, ContactKind};
 
 /// Length of the arrow, m per N.
@@ -30,7 +31,8 @@ pub struct SceneBuilder {
     /// Unit vector into each wall or plane, and the distance to it from the start, m.
     surfaces: Vec<(Direction<f64>, f64)>,
     /// Names and primitives of the obstacles that stand.
-    obstacles: Vec<(String, SceneEntity)>,
+    standing: Vec<(String, SceneEntity)>,
+    moving: MovingObstacles,
 }
 
 impl SceneBuilder {
@@ -44,7 +46,11 @@ impl SceneBuilder {
             robot: setup.and_then(|setup| robot(&setup.controller.robot)),
             start: start.into(),
             surfaces: setup.map(|setup| setup.contacts.iter().filter_map(surface).collect()).unwrap_or_default(),
-            obstacles: setup.map(|setup| obstacles(&setup.controller)).unwrap_or_default(),
+            standing: setup.map(|setup| standing(&setup.controller)).unwrap_or_default(),
+            // The scenario of a recording is valid.
+            moving: setup
+                .and_then(|setup| MovingObstacles::new(&setup.controller, &setup.obstacle_motions).ok())
+                .unwrap_or_default(),
         }
     }
 
@@ -80,15 +86,20 @@ impl SceneBuilder {
         ];
         entities
             .extend(robot.map(|robot| entity("shapes".to_owned(), shapes::of_robot(robot, &sample.joint_position))));
-        entities.extend(self.obstacles.iter().map(|(name, shape)| entity(format!("obstacle {name}"), shape.clone())));
+        let of_obstacle = |(name, shape): (String, SceneEntity)| entity(format!("obstacle {name}"), shape);
+        entities.extend(self.standing.iter().cloned().map(of_obstacle));
+        let moving =
+            self.moving.shapes(sample.time_s).map(|obstacle| (obstacle.name.clone(), shapes::of_obstacle(&obstacle)));
+        entities.extend(moving.map(of_obstacle));
         SceneUpdate { deletions: Vec::new(), entities }
     }
 }
 
 /// Returns the names and primitives of the obstacles that stand.
-fn obstacles(controller: &wire::Controller) -> Vec<(String, SceneEntity)> {
+fn standing(controller: &wire::Controller) -> Vec<(String, SceneEntity)> {
     let stated = controller.collisions.iter().flat_map(|collisions| &collisions.obstacles);
-    stated.filter_map(|obstacle| Some((obstacle.name.clone(), shapes::of_obstacle(obstacle)?))).collect()
+    let standing = stated.filter(|obstacle| !obstacle.moves);
+    standing.map(|obstacle| (obstacle.name.clone(), shapes::of_obstacle(obstacle))).collect()
 }
 
 fn arm(sample: &Sample, links: &[IsometryMatrix3<f64>]) -> Vec<LinePrimitive> {
@@ -172,6 +183,7 @@ mod tests {
         let turn = json!({"w": 0.0, "x": 0.0, "y": 0.0, "z": 1.0});
         let scenario = json!({
             "name": "room", "description": "", "duration_s": 1.0, "start_joint_position": POSTURE,
+            "obstacle_motions": [{"name": "ball", "displacement": {"kind": "constant", "value": [0.1, 0.2, 0.3]}}],
             "controller": {
                 "robot": "panda", "period_s": 0.001,
                 "tasks": [{"name": "hand", "axes": ["x"], "law": {"kind": "pose", "gain": 4}}],
@@ -186,7 +198,7 @@ mod tests {
         });
         let mut recording = Recording::empty();
         recording.setup = Some(serde_json::from_value(scenario).unwrap());
-        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, 1, false) }];
+        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, 1, 0, false) }];
         recording
     }
 
@@ -211,13 +223,25 @@ mod tests {
     }
 
     #[test]
-    fn obstacles_that_stand_are_primitives_of_the_scene() {
+    fn obstacles_are_primitives_of_the_scene() {
         let scene = first_scene(&recording());
         let ids: Vec<_> = scene.entities.iter().map(|entity| entity.id.as_str()).collect();
         assert_eq!(
             ids,
-            ["arm", "walls", "force", "shapes", "obstacle table", "obstacle post", "obstacle shelf", "obstacle lamp"]
+            [
+                "arm",
+                "walls",
+                "force",
+                "shapes",
+                "obstacle table",
+                "obstacle post",
+                "obstacle shelf",
+                "obstacle lamp",
+                "obstacle ball"
+            ]
         );
+        let ball = &entity(&scene, "obstacle ball").spheres[0];
+        assert_eq!(place(ball.pose.as_ref()), Direction::new(0.1, 0.2, 0.3), "it moves");
         assert!(scene.entities.iter().all(|entity| entity.frame_id == "base"));
         let table = &entity(&scene, "obstacle table").cubes[0];
         let top = place(table.pose.as_ref()).z + 0.5 * table.size.unwrap().z;

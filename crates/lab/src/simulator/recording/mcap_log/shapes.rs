@@ -27,11 +27,8 @@ pub fn of_robot(robot: &RobotModel, joint_position: &[f64]) -> SceneEntity {
     entity
 }
 
-/// Returns an obstacle where the controller states it; `None` for one that moves, whose place a recording does not have.
-pub fn of_obstacle(obstacle: &wire::RoomObstacle) -> Option<SceneEntity> {
-    if obstacle.moves {
-        return None;
-    }
+/// Returns an obstacle.
+pub fn of_obstacle(obstacle: &wire::RoomObstacle) -> SceneEntity {
     let mut entity = SceneEntity::default();
     if let Some(wire::Sphere { center, radius }) = obstacle.sphere {
         add_capsule(&mut entity, &Segment { from: center.into(), to: center.into() }, radius, OBSTACLE);
@@ -47,7 +44,7 @@ pub fn of_obstacle(obstacle: &wire::RoomObstacle) -> Option<SceneEntity> {
     if let Some(plane) = obstacle.half_space {
         entity.cubes.extend(plate(&plane));
     }
-    Some(entity)
+    entity
 }
 
 /// Adds a capsule as a cylinder and two balls; a sphere is one ball.

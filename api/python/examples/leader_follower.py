@@ -1,0 +1,50 @@
+"""A leader arm leads a follower by chunks of joint positions, within its limits. A file can be the leader.
+
+python3 leader_follower.py                   # a simulated leader
+python3 leader_follower.py episode.parquet   # an episode of a LeRobot dataset: columns timestamp and action (degrees)
+"""
+
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+
+import revprio
+
+ROBOT, PERIOD_S, ACTIONS = "panda", 0.01, 10
+
+
+def simulated() -> Iterator[tuple[float, np.ndarray]]:
+    """Yields time (s) and joint positions (rad) of a hand-held leader at 30 Hz, with a jump at 2 s."""
+    rest = np.array([0, -0.785, 0, -2.356, 0, 1.571, 0.785])
+    for t in np.arange(0, 4, 1 / 30):
+        yield t, rest + 0.3 * np.sin(t * np.arange(1, 8) / 3) + (0.2 if t > 2 else 0.0)
+
+
+def recorded(path: str) -> Iterator[tuple[float, np.ndarray]]:
+    """Yields time (s) and joint positions (rad) of an episode in a file."""
+    import pandas  # noqa: PLC0415
+
+    episode = pandas.read_parquet(path)
+    for t, action in zip(episode["timestamp"], episode["action"], strict=True):
+        yield float(t), np.deg2rad(action[:7])
+
+
+frames = list(recorded(sys.argv[1]) if sys.argv[1:] else simulated())
+law = revprio.PostureLaw(gain=8.0, target_position=frames[0][1])
+task = revprio.ControllerTask(name="follow", law=law)
+follower = revprio.Controller(
+    robot=ROBOT, tasks=[task], period_s=PERIOD_S, drive=revprio.JointDrive(lag_s=0, delay_periods=0)
+)
+q, fastest, sent = frames[0][1], 0.0, 0
+for period in range(int(frames[-1][0] / PERIOD_S)):
+    now, targets = period * PERIOD_S, None
+    if sent + ACTIONS < len(frames) and now >= frames[sent][0]:
+        times, positions = zip(*frames[sent : sent + ACTIONS], strict=True)
+        targets, sent = {"follow": revprio.chunk(times, joint_position=np.array(positions))}, sent + ACTIONS // 2
+    answer = follower.step(q, time_s=now, targets=targets)  # on an arm: read q, send answer.joint_velocity
+    q = q + PERIOD_S * answer.joint_velocity
+    fastest = max(fastest, float(np.abs(answer.joint_velocity).max()))
+print(
+    f"{sent} actions sent, fastest joint {fastest:.2f} rad/s, {np.abs(q - frames[-1][1]).max():.3f} rad off at the end"
+)

@@ -1,0 +1,139 @@
+"""LeRobot's kinematics and actions, without LeRobot, and the same numbers as the real package, if installed."""
+
+import math
+import os
+import runpy
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+from revprio.lerobot import EEToJoints, RobotKinematics
+
+PANDA = str(ROOT / "fixtures/robots/panda.urdf")
+START = np.rad2deg([0.1, -0.6, 0.05, -2.1, 0.1, 1.6, 0.7])
+NAMES = [f"panda_joint{k}" for k in range(1, 8)]
+
+
+@pytest.fixture(scope="module")
+def kinematics() -> RobotKinematics:
+    """Returns the kinematics of a Panda."""
+    return RobotKinematics(PANDA, "panda_link8", NAMES)
+
+
+def ee_action(pose: np.ndarray, gripper: float = 50.0) -> dict[str, float]:
+    """Returns an action of LeRobot."""
+    angle = math.acos(np.clip((pose[:3, :3].trace() - 1) / 2, -1, 1))
+    skew = pose[:3, :3] - pose[:3, :3].T
+    vector = np.array([skew[2, 1], skew[0, 2], skew[1, 0]]) * angle / (2 * math.sin(angle))
+    named = dict(zip(("ee.wx", "ee.wy", "ee.wz"), vector.tolist(), strict=True))
+    return dict(zip(("ee.x", "ee.y", "ee.z"), pose[:3, 3].tolist(), strict=True)) | named | {"ee.gripper_pos": gripper}
+
+
+def test_the_inverse_undoes_the_forward_kinematics(kinematics: RobotKinematics) -> None:
+    goal = kinematics.forward_kinematics(START + 8)
+    found = kinematics.inverse_kinematics(START, goal, orientation_weight=1.0)
+    assert np.abs(kinematics.forward_kinematics(found) - goal).max() < 1e-6
+
+
+def test_a_target_out_of_reach_is_approached_and_nothing_is_raised(kinematics: RobotKinematics) -> None:
+    far = kinematics.forward_kinematics(START)
+    far[:3, 3] = [3.0, 0.0, 0.3]
+    found = kinematics.inverse_kinematics(START, far)
+    assert np.isfinite(found).all()
+    assert kinematics.forward_kinematics(found)[0, 3] > 0.7
+    far[0, 3] = math.nan
+    assert (kinematics.inverse_kinematics(START, far) == START).all()
+
+
+def test_a_gripper_after_the_joints_keeps_its_value(kinematics: RobotKinematics) -> None:
+    with_gripper = np.append(START, 42.0)
+    found = kinematics.inverse_kinematics(with_gripper, kinematics.forward_kinematics(START))
+    assert found[7] == 42.0
+    assert np.abs(found[:7] - START).max() < 1e-4
+
+
+def test_a_jump_is_scaled_and_made_up_for(kinematics: RobotKinematics) -> None:
+    names = [*NAMES, "gripper"]
+    step = EEToJoints(kinematics, names, max_speed_deg_s=90.0)
+    observation = {f"{name}.pos": value for name, value in zip(names, [*START, 10.0], strict=True)}
+    goal = kinematics.forward_kinematics(START)
+    goal[:3, 3] += [0.0, 0.3, 0.1]
+    last, scales = observation, []
+    for _ in range(60):
+        now = step.process(ee_action(goal, 90.0) | {"extra": 1}, observation)
+        arm = [abs(now[f"{name}.pos"] - last[f"{name}.pos"]) for name in NAMES]
+        assert max(arm) <= 90.0 / 30 + 1e-9
+        assert abs(now["gripper.pos"] - last["gripper.pos"]) <= 200 / 30 + 1e-9
+        scales.append(step.scale)
+        last = now
+    reached = kinematics.forward_kinematics([last[f"{name}.pos"] for name in NAMES])
+    assert scales[0] < 0.5
+    assert scales[-1] == 1.0
+    assert np.abs(reached[:3, 3] - goal[:3, 3]).max() < 1e-3
+    assert last["gripper.pos"] == 90.0
+    assert last["extra"] == 1
+
+
+@pytest.mark.parametrize("wrong", [{}, {"ee.x": math.nan}, {"ee.x": None}, {"ee.wx": "a"}])
+def test_an_action_without_numbers_holds_the_last_one(kinematics: RobotKinematics, wrong: dict[str, object]) -> None:
+    step = EEToJoints(kinematics, NAMES)
+    observation = {f"{name}.pos": value for name, value in zip(NAMES, START, strict=True)}
+    action = (ee_action(kinematics.forward_kinematics(START)) | wrong) if wrong else {}
+    held = step.process(action, observation)
+    assert [held[f"{name}.pos"] for name in NAMES] == pytest.approx(list(START))
+
+
+def test_the_numbers_are_those_of_the_real_package(tmp_path: Path) -> None:
+    """Against `lerobot.model.kinematics.RobotKinematics`, which is one step of placo in each call."""
+    real = pytest.importorskip("lerobot.model.kinematics")
+    pytest.importorskip("placo")
+    source = os.environ.get("SO101_URDF")
+    if source is None:
+        pytest.skip("set SO101_URDF to so101.urdf, as example-robot-data has it")
+    # Without the meshes, which placo would load.
+    tree = ET.parse(source)
+    for link in tree.getroot().iter("link"):
+        for part in link.findall("visual") + link.findall("collision"):
+            link.remove(part)
+    urdf = str(tmp_path / "so101.urdf")
+    tree.write(urdf)
+    names = ["shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"]
+    ours, theirs = RobotKinematics(urdf, joint_names=names), real.RobotKinematics(urdf, joint_names=names)
+    generator = np.random.default_rng(0)
+    for _ in range(50):
+        start = generator.uniform(-50, 50, 5)
+        pose = theirs.forward_kinematics(start)
+        assert np.abs(ours.forward_kinematics(start) - pose).max() < 1e-9
+        goal = theirs.forward_kinematics(start + generator.uniform(-10, 10, 5))
+        step = start
+        for _ in range(200):
+            step = theirs.inverse_kinematics(step, goal)
+        found = ours.inverse_kinematics(start, goal)
+        assert np.abs(ours.forward_kinematics(found)[:3, 3] - goal[:3, 3]).max() < 1e-5
+        assert np.abs(theirs.forward_kinematics(step)[:3, 3] - goal[:3, 3]).max() < 1e-4
+
+
+LEADER = str(ROOT / "api/python/examples/leader_follower.py")
+
+
+def test_a_simulated_leader_leads_a_follower(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", [LEADER])
+    names = runpy.run_path(LEADER)
+    assert names["sent"] > 100
+    assert np.abs(names["q"] - names["frames"][-1][1]).max() < 0.1
+
+
+def test_the_file_of_an_episode_leads_a_follower(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    times = np.arange(60) / 30
+    actions = [[*(START + 10 * np.sin(t)), 50.0] for t in times]
+    path = str(tmp_path / "episode.parquet")
+    pandas.DataFrame({"timestamp": times, "action": actions}).to_parquet(path)
+    monkeypatch.setattr("sys.argv", [LEADER, path])
+    names = runpy.run_path(LEADER)
+    assert names["sent"] > 40
+    assert np.abs(names["q"] - names["frames"][-1][1]).max() < 0.05

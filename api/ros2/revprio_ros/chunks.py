@@ -1,0 +1,80 @@
+"""Chunks of actions: trajectories of joints and arrays of poses for the tasks of the controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import revprio
+from geometry_msgs.msg import PoseArray
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from revprio_ros import conversion
+from revprio_ros.conversion import NotUsable, seconds
+from revprio_ros.loop_clock import LoopClock
+from revprio_ros.parameters import Settings, topic
+
+MAX_AGE_S = 1.0
+"""Chunks with an older stamp are not used, s."""
+
+
+class Chunks:
+    """Receives a `JointTrajectory` for each task with the law `posture`, and a `PoseArray` for the laws of poses.
+
+    The laws of poses are `pose`, `impedance` and `hybrid`. The topics are `chunks/TASK`. The stamp is the time of the first action; zero means the time of arrival.
+    """
+
+    def __init__(self, node: Node, clock: LoopClock, settings: Settings) -> None:
+        """Subscribes to the topics."""
+        self._clock, self._settings = clock, settings
+        self._arrived: dict[str, tuple[float, list[tuple[float, dict[str, Any]]]]] = {}
+        self.refusals: dict[str, str] = {}
+        """Why the newest chunk of a task was not used, by task."""
+        for task in settings.config.tasks:
+            kind = getattr(task.law, "kind", None)
+            if kind == "posture" and getattr(task.law, "joints", None):
+                node.create_subscription(JointTrajectory, f"chunks/{topic(task.name)}", self._receiver(task), 10)
+            elif kind in ("pose", "impedance", "hybrid") and isinstance(task.frame or "base", str):
+                node.create_subscription(PoseArray, f"chunks/{topic(task.name)}", self._receiver(task), 10)
+
+    def take(self, start_s: float) -> dict[str, revprio.StreamedTarget]:
+        """Returns the chunks that arrived, each once; their times count from `start_s` on the loop's clock."""
+        arrived, self._arrived = self._arrived, {}
+        return {name: target(at_s - start_s, actions) for name, (at_s, actions) in arrived.items()}
+
+    def _receiver(self, task: revprio.ControllerTask) -> Callable[[Any], None]:
+        def receive(message: Any) -> None:
+            try:
+                self._arrived[task.name] = self._time_s(message.header.stamp), self._actions(message, task)
+                self.refusals.pop(task.name, None)
+            except NotUsable as error:
+                self.refusals[task.name] = f"chunk: {error}"
+
+        return receive
+
+    def _actions(self, message: Any, task: revprio.ControllerTask) -> list[tuple[float, dict[str, Any]]]:
+        if task.law.kind == "posture":
+            actions = conversion.trajectory_actions(message, list(task.law.joints))
+        else:
+            if message.header.frame_id != self._settings.base_frame:
+                raise NotUsable(
+                    f"its frame is `{message.header.frame_id}`; transform it to `{self._settings.base_frame}`"
+                )
+            actions = conversion.pose_actions(message, self._settings.chunk_interval_s)
+        if not actions:
+            raise NotUsable("it has no actions")
+        return actions
+
+    def _time_s(self, stamp: Any) -> float:
+        """Returns the time of the first action on the loop's clock, s."""
+        age_s = self._clock.age_s(stamp) if seconds(stamp) else 0.0
+        if not abs(age_s) <= MAX_AGE_S:
+            raise NotUsable(f"its stamp is {age_s:.3f} s old; synchronise the clock of the sender")
+        return self._clock.now_s() - age_s
+
+
+def target(at_s: float, actions: list[tuple[float, dict[str, Any]]]) -> revprio.StreamedTarget:
+    """Returns actions as a target; `at_s`: time of the stamp on the clock of the states."""
+    chunk = [revprio.ChunkAction.model_validate({"time_s": at_s + after_s, **values}) for after_s, values in actions]
+    return revprio.StreamedTarget(chunk=chunk)

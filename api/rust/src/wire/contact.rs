@@ -1,0 +1,127 @@
+//! Contacts of the law `contact`: their reports and their memory.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The state of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactState {
+    /// The tool approaches a surface.
+    Approach,
+    /// The tool presses.
+    Contact,
+    /// The tool has lost the surface and goes back to it.
+    Loss,
+    /// The tool has retreated and rests. Replace the controller, or start another one, to press again.
+    Fault,
+}
+
+/// Why a contact is given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactFault {
+    /// The surface pulls. Check the sign of the wrench (`wrench_convention`), and tare the sensor.
+    Pull,
+    /// The force stays while the tool retreats by 0.1 m or 1 rad. Check sign, axes and bias of the wrench.
+    StaysInRetreat,
+    /// The force exceeds `max_force`.
+    ForceLimit,
+}
+
+/// The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ContactReport {
+    /// State of the contact.
+    pub state: ContactState,
+    /// Why the contact is given up; only in the state `fault`.
+    #[schema(example = "force_limit")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<ContactFault>,
+    /// Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the stiffest contact.
+    #[schema(example = 15_300.0)]
+    pub stiffness_bound: f64,
+    /// Estimated stiffness, N/m or N·m/rad; absent until it is known.
+    #[schema(example = 12_000.0)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
+    /// Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    #[schema(example = 130.0)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness_uncertainty: Option<f64>,
+    /// Predicted force if all later commands are zero, N or N·m; 0 without contact.
+    #[schema(example = 29.9)]
+    pub predicted_force: f64,
+    /// Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
+    #[schema(example = 0.0)]
+    pub surface_velocity: f64,
+    /// Energy that the law may still give to the surface, J.
+    #[schema(example = 2.16)]
+    pub energy_j: f64,
+    /// Approach speed of this period, m/s or rad/s.
+    #[schema(example = 0.012)]
+    pub approach_speed: f64,
+    /// Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m.
+    #[schema(example = 32.7)]
+    pub unavoidable_peak: f64,
+}
+
+/// What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or rad.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ContactMemory {
+    /// State of the contact.
+    pub state: ContactState,
+    /// Why the contact is given up; only in the state `fault`.
+    #[schema(example = "force_limit")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<ContactFault>,
+    /// Modelled position of the tool since the first step.
+    #[schema(example = 0.012)]
+    pub position: f64,
+    /// The same as the force sensor sees it.
+    #[schema(example = 0.012)]
+    pub sensed_position: f64,
+    /// Force of the last state.
+    #[schema(example = 29.9)]
+    pub force: f64,
+    /// Position of the surface.
+    #[schema(example = 0.01)]
+    pub surface: f64,
+    /// Time in contact since the last touch, or of suspicion before it, s.
+    #[schema(example = 0.4)]
+    pub contact_time_s: f64,
+    /// Time for which the force is near its target, s, up to the time after which the contact is held.
+    #[schema(example = 0.3)]
+    pub hold_time_s: f64,
+    /// Largest speed of the way back to a lost surface, m/s or rad/s.
+    #[schema(example = 0.012)]
+    pub return_speed: f64,
+    /// Energy that the surface got, less what its motion may cost, J.
+    #[schema(example = 0.02)]
+    pub spent_j: f64,
+    /// Sensed position when the tool last moved forward.
+    #[schema(example = 0.012)]
+    pub before_retreat: f64,
+    /// Position at the fault.
+    #[schema(example = 0.0)]
+    pub fault_position: f64,
+    /// Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad.
+    #[schema(example = json!([15_300.0, 12_000.0, 130.0]))]
+    pub stiffness: [f64; 3],
+    /// Running means of sensed position and force.
+    #[schema(example = json!([0.011, 28.0]))]
+    pub means: [f64; 2],
+    /// Sums of the squared position, position times force, the squared force, and the number of samples.
+    #[schema(example = json!([1e-6, 0.012, 144.0, 80.0]))]
+    pub sums: [f64; 4],
+    /// Mean place of the surface, the stiffness of that mean, and the velocity of the surface.
+    #[schema(example = json!([0.01, 12_000.0, 0.0]))]
+    pub surface_motion: [f64; 3],
+    /// Factor of the upper bound, and the largest difference from the target force since the force last crossed it and before.
+    #[schema(example = json!([1.0, 0.2, 0.3]))]
+    pub swing: [f64; 3],
+    /// Whether the force is above its target.
+    #[schema(example = false)]
+    pub is_above: bool,
+}

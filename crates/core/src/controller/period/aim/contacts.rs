@@ -1,0 +1,142 @@
+//! The axes with the contact law in one period.
+
+use super::braking::RequestBounds;
+use crate::arm_state::ArmState;
+use crate::controller::config::ControllerConfig;
+use crate::controller::state::{Memory, TaskTarget};
+use crate::law::{
+    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactReport, ContactTiming, TargetForce, TaskState, TaskVector,
+};
+use crate::linalg::row_times;
+use crate::task::{TaskError, TaskStack};
+
+/// Part of the acceleration of the joints with which the law brakes; the rest is left to the other tasks. A choice.
+const CONTACT_SHARE: f64 = 0.9;
+
+/// The axes with the contact law, in the order of the tasks.
+#[derive(Debug, Default)]
+pub struct Contacts {
+    axes: Vec<PressingAxis>,
+    /// The task of the highest index with an axis that retreats from a fault.
+    retreat: Option<usize>,
+}
+
+/// One axis.
+#[derive(Debug, Clone, Copy)]
+pub struct PressingAxis {
+    /// Its task.
+    pub task: usize,
+    /// Its row in the task.
+    pub row: usize,
+    /// 1 or −1, its pressing direction.
+    pub direction: f64,
+    /// Its times.
+    pub timing: ContactTiming,
+    /// F_d of this period along the pressing direction, N or N·m.
+    pub target: f64,
+    /// What it remembers, after the law of this period and before its command.
+    pub memory: ContactAxis,
+}
+
+impl Contacts {
+    /// Lists the axes of a checked configuration.
+    pub fn new(config: &ControllerConfig) -> Self {
+        let capability = config.joint_capability();
+        let rises = capability.deceleration.iter().zip(&capability.jerk).map(|(a, jerk)| a / jerk);
+        let rise = rises.filter(|rise| rise.is_finite()).fold(0.0, f64::max);
+        let laws = config.tasks.iter().enumerate().filter_map(|(task, config)| Some((task, config.law.contact()?)));
+        let axis = |(task, law, row): (usize, &ContactLaw, usize)| PressingAxis {
+            task,
+            row,
+            direction: law.direction(row),
+            timing: ContactTiming::new(config.period_s, config.drive, law.axes()[row].sensor_lag, rise),
+            target: 0.0,
+            memory: ContactAxis::START,
+        };
+        let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
+        Self { axes: rows.map(axis).collect(), retreat: None }
+    }
+
+    /// Returns the axes.
+    pub fn axes(&self) -> &[PressingAxis] {
+        &self.axes
+    }
+
+    /// Starts a period: the axes continue from the memory, and from what the arm did while states were missing.
+    pub(super) fn start_period(
+        &mut self,
+        config: &ControllerConfig,
+        arm: &ArmState,
+        previous: &Memory,
+        tasks: &TaskStack,
+    ) {
+        self.retreat = None;
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            axis.memory = previous.contacts.get(index).copied().unwrap_or(ContactAxis::START);
+            if arm.missed_time > 0.0 {
+                let way = axis.along(&arm.missed_way, config, tasks);
+                let law = config.tasks[axis.task].law.contact();
+                if let Some(settings) = law.map(|law| &law.axes()[axis.row]) {
+                    axis.memory.spend(settings, 0.0, way, arm.missed_time);
+                }
+                axis.memory.advance(&axis.timing, way, arm.missed_time);
+            }
+        }
+    }
+
+    /// Evaluates the law of task `k`: overwrites the velocity of each row and its report, and raises F_d to what it presses with.
+    pub(super) fn press(
+        &mut self,
+        k: usize,
+        (law, state, last_velocity): (&ContactLaw, &TaskState, &[f64]),
+        force: &mut TargetForce,
+        (config, arm, tasks, bounds): (&ControllerConfig, &ArmState, &TaskStack, &mut RequestBounds),
+        (velocity, reports): (&mut TaskVector, &mut Vec<ContactReport>),
+    ) {
+        reports.clear();
+        for axis in self.axes.iter_mut().filter(|axis| axis.task == k) {
+            let row = axis.row;
+            let acceleration = CONTACT_SHARE * bounds.row_acceleration((k, row), (config, &arm.capability), tasks);
+            axis.target = law.pressing_force(row, force[row].unwrap_or_default());
+            force[row] = Some(axis.direction * axis.target);
+            let input = AxisInput {
+                force: axis.direction * state.force[row],
+                target: axis.target,
+                to_rest: axis.along(&arm.distance_to_rest, config, tasks),
+                last_velocity: axis.direction * last_velocity[row],
+                acceleration: acceleration.min(law.axes()[row].max_acceleration),
+            };
+            let (pressing, report) = law.step(row, &axis.timing, input, &mut axis.memory);
+            velocity[row] = axis.direction * pressing;
+            reports.push(report);
+            if pressing < 0.0 && matches!(report.phase, ContactPhase::Fault(_)) {
+                self.retreat = Some(k);
+            }
+        }
+    }
+
+    /// Lets the tasks above one that retreats from a fault go: nothing but limits and constraints holds a retreat back.
+    pub(super) fn release_tasks_above_a_retreat(
+        &self,
+        targets: &mut [TaskTarget],
+        tasks: &mut TaskStack,
+    ) -> Result<(), TaskError> {
+        let Some(retreat) = self.retreat else { return Ok(()) };
+        for target in &mut targets[..retreat] {
+            target.velocity.fill(0.0);
+        }
+        tasks.overwrite_jacobians(|k, jacobian| {
+            if k < retreat {
+                jacobian.fill(0.0);
+            }
+        })
+    }
+}
+
+impl PressingAxis {
+    /// Returns how far a motion of the joints (n, rad or m) moves the tool along the pressing direction, m or rad.
+    pub fn along(&self, joints: &[f64], config: &ControllerConfig, tasks: &TaskStack) -> f64 {
+        let moved = row_times(&tasks.tasks()[self.task].jacobian, self.row, joints);
+        self.direction * moved / config.weight(self.task, self.row)
+    }
+}

@@ -1,0 +1,155 @@
+//! What the contact law remembers of one axis.
+
+use super::estimate::StiffnessEstimate;
+use super::motion::SurfaceMotion;
+use super::settings::ContactSettings;
+use super::swing::Swing;
+use super::timing::ContactTiming;
+
+/// The state of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ContactPhase {
+    /// The tool approaches a surface.
+    #[default]
+    Approach,
+    /// The tool presses.
+    Contact,
+    /// The tool has lost the surface and goes back to it.
+    Loss,
+    /// The tool retreats and rests. Only a new memory ends it.
+    Fault(FaultCause),
+}
+
+/// Why a contact is given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultCause {
+    /// The surface pulls: the sign of the force is wrong, or its bias is too large.
+    Pull,
+    /// The force stays while the tool retreats by 0.1 m: its sign is wrong, its axes are swapped, or its bias exceeds the target.
+    StaysInRetreat,
+    /// The force exceeds its limit.
+    ForceLimit,
+}
+
+/// The memory of one axis, along its pressing direction. For an axis of rotation read N·m for N and rad for m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactAxis {
+    /// The state.
+    pub phase: ContactPhase,
+    /// x, modelled position of the tool since the first step, m.
+    pub position: f64,
+    /// x_s, the position as the force sensor sees it, m.
+    pub sensed_position: f64,
+    /// F of the last period, N.
+    pub force: f64,
+    /// x₀, position of the surface, m.
+    pub surface: f64,
+    /// Time in contact since the last touch, or of suspicion before it, s.
+    pub contact_time: f64,
+    /// Clock of a held contact, s: it counts while the force is near its target, and runs back while it is away.
+    pub hold_time: f64,
+    /// Largest speed of the way back to a lost surface, m/s.
+    pub return_speed: f64,
+    /// Energy of the tank that is spent, J.
+    pub spent: f64,
+    /// x_s when the tool last moved forward, m.
+    pub before_retreat: f64,
+    /// x at the fault, m.
+    pub fault_position: f64,
+    /// What is known of the stiffness.
+    pub estimate: StiffnessEstimate,
+    /// How the surface moves.
+    pub motion: SurfaceMotion,
+    /// How the force swings.
+    pub swing: Swing,
+}
+
+impl ContactAxis {
+    /// An axis at the first step: it approaches.
+    pub const START: Self = Self {
+        phase: ContactPhase::Approach,
+        position: 0.0,
+        sensed_position: 0.0,
+        force: 0.0,
+        surface: 0.0,
+        contact_time: 0.0,
+        hold_time: 0.0,
+        return_speed: 0.0,
+        spent: 0.0,
+        before_retreat: 0.0,
+        fault_position: 0.0,
+        estimate: StiffnessEstimate {
+            upper: 0.0,
+            slope: 0.0,
+            uncertainty: 0.0,
+            mean_position: 0.0,
+            mean_force: 0.0,
+            squared_position: 0.0,
+            product: 0.0,
+            squared_force: 0.0,
+            samples: 0.0,
+        },
+        motion: SurfaceMotion { mean: 0.0, slope: 0.0, velocity: 0.0 },
+        swing: Swing::NONE,
+    };
+
+    /// Returns whether all numbers are finite and in their ranges.
+    pub(crate) fn is_valid(&self) -> bool {
+        let Self { position, sensed_position, force, surface, contact_time, return_speed, .. } = *self;
+        let StiffnessEstimate { upper, slope, uncertainty, mean_position, mean_force, .. } = self.estimate;
+        let StiffnessEstimate { squared_position, product, squared_force, samples, .. } = self.estimate;
+        let signed = [
+            position,
+            sensed_position,
+            force,
+            surface,
+            self.fault_position,
+            mean_position,
+            mean_force,
+            product,
+            self.before_retreat,
+            self.motion.mean,
+            self.motion.velocity,
+        ];
+        let positive = [
+            contact_time,
+            self.hold_time,
+            return_speed,
+            self.spent,
+            upper,
+            slope,
+            uncertainty,
+            squared_position,
+            squared_force,
+            samples,
+            self.motion.slope,
+            self.swing.amplitude,
+            self.swing.before,
+        ];
+        let is_finite = |value: &f64| value.is_finite();
+        signed.iter().all(is_finite)
+            && positive.iter().all(|value| value.is_finite() && *value >= 0.0)
+            && self.swing.factor >= 1.0
+            && self.swing.factor.is_finite()
+    }
+
+    /// Moves the model by `way` (m) in a time (s), at a constant speed.
+    pub fn advance(&mut self, timing: &ContactTiming, way: f64, time: f64) {
+        let after = self.position + way;
+        let lag = timing.sensor_lag;
+        self.sensed_position = if lag > 0.0 && time > 0.0 {
+            let behind = way / time * lag;
+            after - behind + (self.sensed_position - self.position + behind) * (-time / lag).exp()
+        } else {
+            after
+        };
+        self.position = after;
+    }
+
+    /// Takes the energy of a way (m) out of the tank, and fills it up for a time (s) with the power of a surface that the
+    /// law follows; `target`: F_d, N.
+    pub fn spend(&mut self, settings: &ContactSettings, target: f64, way: f64, time: f64) {
+        let refill = settings.followed_speed * target * time;
+        self.spent = (self.spent + self.force.max(0.0) * way - refill).max(0.0);
+    }
+}

@@ -1,0 +1,184 @@
+//! The upper estimate of the stiffness.
+
+use super::settings::ContactSettings;
+use super::timing::ContactTiming;
+
+/// γ, K̂ over the estimate.
+const MARGIN: f64 = 1.25;
+
+/// K̂ over the slope, below which K̂ does not fall while the contact is held.
+const HELD_MARGIN: f64 = 2.0;
+
+/// n_z, dead zone of the estimator in units of σ.
+const DEAD_ZONE: f64 = 10.0;
+
+/// N_i, memory of the estimator in samples of information.
+const SAMPLES: f64 = 1000.0;
+
+/// Multiple of its uncertainty by which K̂ exceeds the estimate, and by which a slope is known.
+const SIGMAS: f64 = 3.0;
+
+/// Noise of a single sample that may look like stiffness, in units of σ.
+const SAMPLE_SIGMAS: f64 = 4.0;
+
+/// Rate at which the uncertainty grows with the number of samples.
+const CORRELATION: f64 = 0.7;
+
+/// What the contact law knows of the stiffness.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StiffnessEstimate {
+    /// K̂, upper estimate, N/m.
+    pub upper: f64,
+    /// K_l, the last slope that was known, N/m; 0: none yet.
+    pub slope: f64,
+    /// Uncertainty of that slope, rms, N/m; 0: none yet.
+    pub uncertainty: f64,
+    /// x̄, running mean of the position, m.
+    pub mean_position: f64,
+    /// F̄, running mean of the force, N.
+    pub mean_force: f64,
+    /// S_xx, m².
+    pub squared_position: f64,
+    /// S_xF, N·m.
+    pub product: f64,
+    /// S_FF, N².
+    pub squared_force: f64,
+    /// n, number of samples.
+    pub samples: f64,
+}
+
+impl StiffnessEstimate {
+    /// Returns the estimate at a first contact: the stiffest one, without data; x_s (m), F (N).
+    pub(super) fn start(settings: &ContactSettings, position: f64, force: f64) -> Self {
+        Self { upper: settings.stiffest, mean_position: position, mean_force: force, ..Self::default() }
+    }
+
+    /// Returns the best known stiffness, N/m.
+    pub(super) fn best(&self) -> f64 {
+        if self.slope > 0.0 { self.slope } else { self.upper }
+    }
+
+    /// Starts the means at x_s (m) and F (N).
+    pub(super) fn restart_means(&mut self, position: f64, force: f64) {
+        (self.mean_position, self.mean_force) = (position, force);
+    }
+
+    /// Learns from x_s (m) and F (N) of a period in contact. It learns only from motion that the noise does not hide.
+    ///
+    /// While the contact is held, the slope stays and K̂ does not fall below twice the slope: motion with little change of the force
+    /// then comes from a surface that moves, and a K̂ that is too large is only slow.
+    pub(super) fn learn(
+        &mut self,
+        (settings, timing): (&ContactSettings, &ContactTiming),
+        (position, force): (f64, f64),
+        (is_held, surface_velocity): (bool, f64),
+    ) {
+        // The surface takes the means with it: what counts is the motion relative to it.
+        self.mean_position += timing.period * surface_velocity;
+        let (x, f) = (position - self.mean_position, force - self.mean_force);
+        if x.abs() * self.upper > DEAD_ZONE * settings.noise {
+            self.add(settings, timing, x, f);
+            self.update(settings, timing, is_held);
+        }
+        let share = timing.period / timing.window;
+        self.mean_position += share * x;
+        self.mean_force += share * f;
+    }
+
+    /// Adds a sample. A single one that shows more stiffness than K̂ replaces all others.
+    fn add(&mut self, settings: &ContactSettings, timing: &ContactTiming, x: f64, f: f64) {
+        let least = (f.abs() - SAMPLE_SIGMAS * settings.noise) / x.abs();
+        if x * f > 0.0 && least > self.upper {
+            (self.squared_position, self.product, self.squared_force, self.samples) = (x * x, x * f, f * f, 1.0);
+            self.upper = (MARGIN * least).min(settings.stiffest);
+        } else {
+            self.squared_position += x * x;
+            self.product += x * f;
+            self.squared_force += f * f;
+            self.samples += 1.0;
+        }
+        // Forgets as fast as information arrives.
+        let noise = inflation(timing) * settings.noise / self.upper;
+        let most = SAMPLES * noise * noise;
+        if self.squared_position > most {
+            let share = most / self.squared_position;
+            self.squared_position *= share;
+            self.product *= share;
+            self.squared_force *= share;
+            self.samples *= share;
+        }
+    }
+
+    /// Updates K̂ and the slope from the sums. A negative slope is no stiffness: the data are not from one contact.
+    fn update(&mut self, settings: &ContactSettings, timing: &ContactTiming, is_held: bool) {
+        // With σ = 0 the memory may be empty.
+        if self.squared_position <= 0.0 {
+            return;
+        }
+        let variance = settings.noise * settings.noise;
+        let slope = self.product / self.squared_position;
+        let gain = ((self.squared_force - self.samples * variance).max(0.0) / self.squared_position).sqrt();
+        let uncertainty =
+            settings.noise * (inflation(timing) + CORRELATION * self.samples.sqrt()) / self.squared_position.sqrt();
+        if slope > -uncertainty {
+            let estimate = (MARGIN * gain + SIGMAS * uncertainty).clamp(settings.softest, settings.stiffest);
+            let decayed = self.upper * (-timing.period / timing.fall).exp();
+            let kept = if is_held { self.upper.min(HELD_MARGIN * self.slope) } else { 0.0 };
+            let least = decayed.max(kept);
+            self.upper = estimate.max(least);
+        }
+        if slope > SIGMAS * uncertainty && !is_held {
+            (self.slope, self.uncertainty) = (slope, uncertainty);
+        }
+    }
+}
+
+/// Returns i = √(1 + 2 τ_f/T): how many samples behind a filter count as one.
+fn inflation(timing: &ContactTiming) -> f64 {
+    (1.0 + 2.0 * timing.sensor_lag / timing.period).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Drive;
+
+    fn timing() -> ContactTiming {
+        ContactTiming::new(0.001, Drive::IDEAL, 0.002, 0.0)
+    }
+
+    /// Moves into a spring of the stiffness K, and returns the estimate.
+    fn after_motion(stiffness: f64, travel: f64) -> StiffnessEstimate {
+        let settings = ContactSettings::default();
+        let mut estimate = StiffnessEstimate::start(&settings, 0.0, 0.0);
+        for i in 1..=500 {
+            let x = travel * f64::from(i) / 500.0;
+            estimate.learn((&settings, &timing()), (x, stiffness * x), (false, 0.0));
+        }
+        estimate
+    }
+
+    #[test]
+    fn the_estimate_falls_from_the_stiffest_contact_to_a_bound_of_the_true_one() {
+        for stiffness in [1e3, 1e4, 1e5] {
+            let estimate = after_motion(stiffness, 30.0 / stiffness);
+            assert!((estimate.slope / stiffness - 1.0).abs() < 1e-9, "{stiffness}: {estimate:?}");
+            assert!(estimate.upper > 1.25 * stiffness && estimate.upper < 1.6 * stiffness, "{stiffness}: {estimate:?}");
+        }
+    }
+
+    #[test]
+    fn motion_that_the_noise_hides_teaches_nothing() {
+        let estimate = after_motion(1e3, 1e-6);
+        assert_eq!((estimate.upper, estimate.samples), (1e6, 0.0));
+    }
+
+    #[test]
+    fn a_stiffer_sample_raises_the_estimate_at_once() {
+        let settings = ContactSettings::default();
+        let mut estimate = after_motion(1e3, 0.03);
+        let (x, f) = (estimate.mean_position + 0.005, estimate.mean_force + 250.0);
+        estimate.learn((&settings, &timing()), (x, f), (true, 0.0));
+        assert!(estimate.upper > 1.24 * 49_000.0, "{estimate:?}");
+    }
+}

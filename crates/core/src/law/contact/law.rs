@@ -1,0 +1,130 @@
+//! The contact law of a task.
+
+use revprio_robot::profile::Profile;
+
+use super::axis::ContactAxis;
+use super::report::ContactReport;
+use super::settings::ContactSettings;
+use super::step::{AxisInput, Step};
+use super::timing::ContactTiming;
+
+/// The contact law: it presses with F_d on a surface of unknown stiffness, each axis by itself.
+///
+/// The sign of the target force is the pressing direction of its axis. A target that is smaller than what the law tells from
+/// no contact, f₅, is raised to it, and so is a later one of the other sign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLaw {
+    target_force: Profile,
+    axes: Vec<ContactSettings>,
+    directions: Vec<f64>,
+}
+
+/// Why a contact law is refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ContactLawError {
+    /// The numbers of axes differ.
+    #[error("{given} target forces for {expected} axes; give one per axis")]
+    Size {
+        /// Number of axes.
+        expected: usize,
+        /// Number of target forces.
+        given: usize,
+    },
+    /// A number is out of its range.
+    #[error("{value} is out of range; `{field}` must be {must_be}")]
+    Range {
+        /// Its name.
+        field: &'static str,
+        /// Row, from 0.
+        row: usize,
+        /// The value.
+        value: f64,
+        /// The range in words.
+        must_be: &'static str,
+    },
+    /// An axis has no target force, so it has no direction.
+    #[error("the target force is zero; its sign is the direction in which the tool presses")]
+    NoDirection {
+        /// Row, from 0.
+        row: usize,
+    },
+}
+
+impl ContactLaw {
+    /// Checks and builds a law with F_d = `target_force` (N, N·m) and the settings of each axis.
+    pub fn new(target_force: Profile, axes: Vec<ContactSettings>) -> Result<Self, ContactLawError> {
+        let (expected, given) = (axes.len(), target_force.rows());
+        if given != expected {
+            return Err(ContactLawError::Size { expected, given });
+        }
+        for (row, settings) in axes.iter().enumerate() {
+            check(row, settings)?;
+        }
+        let largest = target_force.largest();
+        let direction = |(row, value): (usize, &f64)| match *value {
+            0.0 => Err(ContactLawError::NoDirection { row }),
+            value => Ok(value.signum()),
+        };
+        let directions = largest.iter().enumerate().map(direction).collect::<Result<_, _>>()?;
+        Ok(Self { target_force, axes, directions })
+    }
+
+    /// Returns m, the number of rows.
+    pub fn rows(&self) -> usize {
+        self.axes.len()
+    }
+
+    /// Returns F_d over time, N and N·m.
+    pub fn target_force(&self) -> &Profile {
+        &self.target_force
+    }
+
+    /// Returns what is known of the axes.
+    pub fn axes(&self) -> &[ContactSettings] {
+        &self.axes
+    }
+
+    /// Returns the pressing direction of a row along its axis, 1 or −1.
+    pub fn direction(&self, row: usize) -> f64 {
+        self.directions[row]
+    }
+
+    /// Returns the force with which a row presses for a target (N, N·m) along its axis: in its direction, and at least f₅.
+    pub fn pressing_force(&self, row: usize, target: f64) -> f64 {
+        (self.directions[row] * target).max(self.axes[row].threshold())
+    }
+
+    /// Updates an axis; returns the velocity that it wants along its pressing direction, m/s or rad/s, and its report.
+    pub fn step(
+        &self,
+        row: usize,
+        timing: &ContactTiming,
+        input: AxisInput,
+        axis: &mut ContactAxis,
+    ) -> (f64, ContactReport) {
+        Step { settings: &self.axes[row], timing, input, axis }.run()
+    }
+}
+
+/// Checks the numbers of an axis.
+fn check(row: usize, settings: &ContactSettings) -> Result<(), ContactLawError> {
+    let ContactSettings { stiffest, noise, bias, max_force, .. } = *settings;
+    let ContactSettings { sensor_lag, retreat_speed, max_acceleration, .. } = *settings;
+    let speed = settings.approach_speed.unwrap_or(1.0);
+    let (positive, not_negative) = ("positive", "zero or positive");
+    let finite = |value: f64| value.is_finite() && value > 0.0;
+    let checks = [
+        ("approach_speed", speed, finite(speed), positive),
+        ("noise", noise, finite(noise), positive),
+        ("bias", bias, bias.is_finite() && bias >= 0.0, not_negative),
+        ("sensor_lag_s", sensor_lag, sensor_lag.is_finite() && sensor_lag >= 0.0, not_negative),
+        ("stiffest", stiffest, stiffest.is_finite() && stiffest >= settings.softest, "at least 300 N/m or 3 N·m/rad"),
+        ("max_force", max_force, max_force > settings.threshold(), "larger than 5 times `noise` plus `bias`"),
+        ("retreat_speed", retreat_speed, finite(retreat_speed), positive),
+        ("max_acceleration", max_acceleration, finite(max_acceleration), positive),
+    ];
+    match checks.into_iter().find(|(_, _, is_valid, _)| !is_valid) {
+        Some((field, value, _, must_be)) => Err(ContactLawError::Range { field, row, value, must_be }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,281 @@
+//! One period of one axis: the states and the velocity of the contact law.
+
+use super::approach::{largest_approach_speed, unavoidable_peak};
+use super::axis::{ContactAxis, ContactPhase, FaultCause};
+use super::estimate::StiffnessEstimate;
+use super::motion::SurfaceMotion;
+use super::report::ContactReport;
+use super::settings::ContactSettings;
+use super::swing::Swing;
+use super::timing::ContactTiming;
+
+/// β, the share of F_d by which the prediction may exceed it before the emergency stop begins.
+const OVERSHOOT: f64 = 0.1;
+
+/// Share of a that the emergency stop plans with.
+const STOP_SHARE: f64 = 0.8;
+
+/// Periods of suspicion that are a contact, if the reaction time is shorter.
+const SUSPICIONS: f64 = 2.0;
+
+/// Time near the target to which the clock of a held contact counts, s. The contact is held above the half of it.
+const HELD: f64 = 0.3;
+
+/// Rate at which that clock runs back while the force is away.
+const AWAY: f64 = 0.5;
+
+/// How near that is: a share of F_d, or of f₅.
+const NEAR: (f64, f64) = (0.1, 1.0);
+
+/// Time in contact after which a loss does not slow the next touch down, s.
+const LONG_CONTACT: f64 = 0.5;
+
+/// Slowest way back to a lost surface, m/s.
+const SLOWEST_RETURN: f64 = 1e-3;
+
+/// How far behind its place a lost surface may be, m.
+const LOST_DEPTH: f64 = 1e-4;
+
+/// Way that a surface may push the tool back without a stop, m. A force that stays longer in a retreat is none of a surface: its sign or
+/// its axes are wrong, or its bias exceeds the target.
+const LONGEST_PUSH: f64 = 0.1;
+
+/// Noise of a force that is compared with another one, in units of σ.
+const DIFFERENCE: f64 = 6.0;
+
+/// Way back after a fault, m, and its speed, m/s.
+const FAULT_RETREAT: (f64, f64) = (0.005, 0.05);
+
+/// Longest way back from a force that is still there, m.
+const LONGEST_RETREAT: f64 = 0.05;
+
+/// F_max over F_d: what the energy tank provides for.
+const TANK_SHARE: f64 = 1.2;
+
+/// What an axis is told in a period, along its pressing direction. For an axis of rotation read N·m for N and rad for m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisInput {
+    /// F, measured force of the tool on the environment, N.
+    pub force: f64,
+    /// F_d, target force, N, positive.
+    pub target: f64,
+    /// p − x, how far the tool moves on if all later commands are zero, m.
+    pub to_rest: f64,
+    /// u⁻, the velocity that the last command has achieved, m/s.
+    pub last_velocity: f64,
+    /// a, the acceleration that the joints can give, m/s².
+    pub acceleration: f64,
+}
+
+/// An axis with all that its period needs.
+pub(super) struct Step<'a> {
+    pub settings: &'a ContactSettings,
+    pub timing: &'a ContactTiming,
+    pub input: AxisInput,
+    pub axis: &'a mut ContactAxis,
+}
+
+impl Step<'_> {
+    /// Updates the axis; returns the velocity u that the law wants, m/s, and the report.
+    pub fn run(mut self) -> (f64, ContactReport) {
+        let speed = self.approach_speed();
+        self.axis.force = self.input.force;
+        self.find_faults();
+        self.change_phase(speed);
+        if self.axis.phase == ContactPhase::Contact {
+            self.learn();
+        }
+        self.give_up_lost_surface();
+        let wanted = self.wanted(speed);
+        let most = self.input.acceleration * self.timing.period;
+        let velocity = wanted.clamp(self.input.last_velocity - most, self.input.last_velocity + most);
+        (self.within_tank(velocity), self.report(speed))
+    }
+
+    /// Returns v_app, m/s.
+    fn approach_speed(&self) -> f64 {
+        let largest = || largest_approach_speed(self.settings, self.timing, self.input.target, self.input.acceleration);
+        self.settings.approach_speed.unwrap_or_else(largest)
+    }
+
+    /// Returns s K̂, N/m.
+    fn stiffness(&self) -> f64 {
+        self.axis.estimate.upper * self.axis.swing.factor
+    }
+
+    /// Returns p − x_s, m.
+    fn ahead_of_sensor(&self) -> f64 {
+        self.axis.position + self.input.to_rest - self.axis.sensed_position
+    }
+
+    /// Gives up a contact whose force is too large or of the wrong sign.
+    fn find_faults(&mut self) {
+        let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
+        if self.input.last_velocity >= 0.0 {
+            axis.before_retreat = axis.sensed_position;
+        }
+        if matches!(axis.phase, ContactPhase::Fault(_)) {
+            return;
+        }
+        let retreat = axis.before_retreat - axis.sensed_position;
+        let stays = axis.phase == ContactPhase::Contact
+            && force > settings.threshold()
+            && retreat > LONGEST_PUSH * settings.metre;
+        let cause = if force > settings.max_force {
+            Some(FaultCause::ForceLimit)
+        } else if force < -settings.threshold() {
+            Some(FaultCause::Pull)
+        } else {
+            stays.then_some(FaultCause::StaysInRetreat)
+        };
+        if let Some(cause) = cause {
+            (axis.phase, axis.fault_position) = (ContactPhase::Fault(cause), axis.position);
+        }
+    }
+
+    /// Finds a contact or its loss.
+    fn change_phase(&mut self, speed: f64) {
+        let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
+        let (threshold, position) = (settings.threshold(), axis.sensed_position);
+        let mut touches = force > threshold;
+        if axis.phase == ContactPhase::Approach {
+            // A force that stays between suspicion and contact would hold the tool for ever: noise does not stay there.
+            let suspected = axis.contact_time + self.timing.period;
+            axis.contact_time = if force > settings.suspicion() { suspected } else { 0.0 };
+            touches |= axis.contact_time > self.timing.reaction.max(SUSPICIONS * self.timing.period);
+        }
+        match axis.phase {
+            ContactPhase::Approach if touches => {
+                axis.phase = ContactPhase::Contact;
+                axis.estimate = StiffnessEstimate::start(settings, position, force);
+                axis.swing = Swing::NONE;
+                axis.motion = SurfaceMotion::default();
+                (axis.surface, axis.return_speed) = (position, speed);
+                (axis.contact_time, axis.hold_time) = (0.0, 0.0);
+            }
+            ContactPhase::Loss if force > threshold => {
+                axis.phase = ContactPhase::Contact;
+                axis.estimate.restart_means(position, force);
+            }
+            ContactPhase::Contact if force < settings.release() => {
+                let floor = (SLOWEST_RETURN * settings.metre).min(speed);
+                let is_long = axis.contact_time >= LONG_CONTACT;
+                axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
+                (axis.phase, axis.contact_time) = (ContactPhase::Loss, 0.0);
+            }
+            _ => {}
+        }
+    }
+
+    /// Learns stiffness, place of the surface and swings.
+    fn learn(&mut self) {
+        let (terms, axis, force) = ((self.settings, self.timing), &mut *self.axis, self.input.force);
+        axis.contact_time += self.timing.period;
+        let is_near =
+            (force - self.input.target).abs() < (NEAR.0 * self.input.target).max(NEAR.1 * self.settings.threshold());
+        axis.hold_time = if is_near {
+            (axis.hold_time + self.timing.period).min(HELD)
+        } else if axis.hold_time > 0.5 * HELD {
+            axis.hold_time - AWAY * self.timing.period
+        } else {
+            0.0
+        };
+        let is_held = axis.hold_time > 0.5 * HELD;
+        axis.estimate.learn(terms, (axis.sensed_position, force), (is_held, axis.motion.velocity));
+        if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
+            axis.surface = axis.sensed_position - force / axis.estimate.best();
+        }
+        if is_held {
+            axis.motion.update(terms, (axis.sensed_position, force), axis.estimate.slope);
+        }
+        axis.swing.update(terms, force - self.input.target, self.input.target);
+    }
+
+    /// Approaches again if a lost surface is not where it was.
+    fn give_up_lost_surface(&mut self) {
+        let (settings, axis) = (self.settings, &mut *self.axis);
+        let force = settings.threshold() + DIFFERENCE * settings.noise;
+        if axis.phase == ContactPhase::Loss {
+            axis.surface += self.timing.period * axis.motion.velocity;
+        }
+        let depth = (LOST_DEPTH * settings.metre).max(2.0 * force / axis.estimate.best());
+        if axis.phase == ContactPhase::Loss && axis.sensed_position > axis.surface + depth {
+            axis.phase = ContactPhase::Approach;
+        }
+    }
+
+    /// Returns the velocity before the limit of acceleration, m/s.
+    fn wanted(&self, speed: f64) -> f64 {
+        let (settings, axis, AxisInput { force, to_rest, .. }) = (self.settings, &*self.axis, self.input);
+        match axis.phase {
+            ContactPhase::Approach if force > settings.suspicion() => 0.0,
+            ContactPhase::Approach => speed,
+            ContactPhase::Contact => self.pressing(force, speed),
+            ContactPhase::Loss => {
+                let modelled = axis.estimate.best() * (axis.sensed_position - axis.surface);
+                self.pressing(force.min(modelled), axis.return_speed)
+            }
+            ContactPhase::Fault(cause) => {
+                let is_pressed = cause != FaultCause::Pull && force.abs() > settings.threshold();
+                let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
+                let end = axis.fault_position - way * settings.metre;
+                let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
+                if axis.position + to_rest > end { -speed } else { 0.0 }
+            }
+        }
+    }
+
+    /// Returns the velocity that moves the position of rest to x*, m/s, for a force (N) and a largest speed (m/s).
+    fn pressing(&self, force: f64, speed: f64) -> f64 {
+        let (timing, AxisInput { target, acceleration, .. }) = (self.timing, self.input);
+        let stiffness = self.stiffness();
+        let error = (target - force) / stiffness - self.ahead_of_sensor();
+        let approach = (error.abs() / timing.contact).min((acceleration * error.abs()).sqrt()).copysign(error);
+        let excess = -error - OVERSHOOT * target / stiffness;
+        let stop = if excess > 0.0 {
+            -(excess / timing.stop).min((2.0 * STOP_SHARE * acceleration * excess).sqrt())
+        } else {
+            f64::INFINITY
+        };
+        // The surface takes the tool with it: what counts is the velocity relative to it.
+        let surface = self.axis.motion.velocity;
+        let fastest = speed + surface.max(0.0);
+        (approach.min(stop) + surface).clamp(-self.settings.retreat_speed, fastest)
+    }
+
+    /// Returns the energy of a full tank, J.
+    fn tank(&self) -> f64 {
+        let force = TANK_SHARE * self.input.target;
+        0.5 * force * force / self.settings.softest
+    }
+
+    /// Returns the velocity, or one that brakes if the tank does not cover what is on its way.
+    fn within_tank(&self, velocity: f64) -> f64 {
+        let (axis, AxisInput { force, acceleration, last_velocity, .. }) = (&*self.axis, self.input);
+        let available = self.tank() - axis.spent;
+        let period = self.timing.period;
+        let way = self.ahead_of_sensor() + period * velocity + 0.5 * velocity * velocity / acceleration;
+        let is_covered = available > 0.0 && (force <= 0.0 || force * way <= available);
+        if velocity > 0.0 && !is_covered { (last_velocity - acceleration * period).max(0.0) } else { velocity }
+    }
+
+    fn report(&self, speed: f64) -> ContactReport {
+        let (settings, axis) = (self.settings, &*self.axis);
+        let is_touching = axis.phase == ContactPhase::Contact;
+        let terms = (settings.stiffest, self.input.acceleration);
+        ContactReport {
+            phase: axis.phase,
+            stiffness_bound: if axis.estimate.upper > 0.0 { self.stiffness() } else { settings.stiffest },
+            stiffness: (axis.estimate.slope > 0.0).then_some([axis.estimate.slope, axis.estimate.uncertainty]),
+            predicted_force: if is_touching {
+                self.input.force + self.stiffness() * self.ahead_of_sensor()
+            } else {
+                0.0
+            },
+            surface_velocity: axis.motion.velocity,
+            energy: (self.tank() - axis.spent).max(0.0),
+            approach_speed: speed,
+            unavoidable_peak: unavoidable_peak(settings, self.timing, terms, speed),
+        }
+    }
+}

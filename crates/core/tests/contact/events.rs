@@ -1,0 +1,118 @@
+//! Contacts that change: stiffness, walls that push or leave, sensors of the wrong sign, forces above their limit.
+
+use revprio_core::law::{ContactPhase, ContactSettings, FaultCause};
+use revprio_core::limits::Drive;
+
+use crate::laws::{Pressing, bound, press};
+use crate::plant::{Conditions, Event, run};
+
+/// Conditions in which the event comes after the contact has settled.
+fn later(stiffness: f64, event: impl Fn(f64) -> Event) -> Conditions {
+    let terms = Conditions::new(stiffness, 0.03, (0.01, 1, 0.002));
+    let time = 1.2 + 1.5 * terms.travel();
+    Conditions { event: event(time), ..terms }
+}
+
+#[test]
+fn a_contact_that_stiffens_or_softens_while_it_is_held_stays_settled() {
+    for stiffness in [1e4, 3e4, 1e5] {
+        for factor in [10.0, 0.1] {
+            let found = press(&later(stiffness, |t| Event::Slope(t, factor)));
+            assert!(found.settled && found.losses == 0, "{stiffness} × {factor}: {found:?}");
+            assert!(found.peak_after < 36.0 && found.least_after > 24.0, "{stiffness} × {factor}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_stiffer_layer_below_a_soft_one_is_pressed() {
+    for stiffness in [1e3, 1e4, 1e5] {
+        let found = press(&Conditions { event: Event::Layer(15.0, 10.0), ..later(stiffness, |_| Event::None) });
+        let stiff = bound(&Conditions::new(10.0 * stiffness, 0.03, (0.01, 1, 0.002)));
+        assert!(found.settled && found.peak < 1.3 * (15.0 + stiff).max(36.0), "{stiffness}: {found:?}");
+    }
+}
+
+#[test]
+fn a_wall_that_pushes_is_pressed_again_within_0_6_seconds() {
+    for stiffness in [1e3, 1e4, 1e5, 1e6] {
+        let way = 0.002_f64.min(90.0 / stiffness);
+        let found = press(&later(stiffness, |t| Event::Push(t, way)));
+        assert!(found.settled && found.settling_after < 0.6, "{stiffness}: {found:?}");
+    }
+}
+
+/// A wall at K v up to 300 N/s: what the law loses before it knows the velocity is less than the force.
+#[test]
+fn a_wall_that_leaves_and_returns_is_held_to_a_tenth() {
+    for (stiffness, speed) in [(1e3, 0.01), (1e3, 0.05), (3e3, 0.05), (1e4, 0.02), (3e4, 0.01)] {
+        let terms = Conditions::new(stiffness, 0.03, (0.005, 1, 0.002));
+        let start = 1.2 + 1.5 * terms.travel();
+        let terms = Conditions { event: Event::LeaveAndReturn(start, speed, 1.5), ..terms };
+        let mut worst: f64 = 0.0;
+        let found = run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+            let since = time - start;
+            if (0.7..1.5).contains(&since) || (2.2..3.0).contains(&since) {
+                worst = worst.max((force - 30.0).abs());
+            }
+        });
+        assert!(worst < 3.0 && found.losses == 0 && found.settled, "{stiffness} {speed}: {worst} {found:?}");
+    }
+}
+
+/// A bias above the target looks like a wall that pushes for ever.
+#[test]
+fn a_force_that_stays_in_a_retreat_ends_in_a_fault() {
+    let terms = Conditions { bias: 40.0, hold: 3.0, ..Conditions::new(1e4, 0.03, (0.005, 1, 0.002)) };
+    let mut law = Pressing::new(&terms);
+    run(&terms, &mut law, |_| {});
+    assert_eq!(law.axis().phase, ContactPhase::Fault(FaultCause::StaysInRetreat));
+    assert!(law.axis().position > -0.4, "{:?}", law.axis());
+}
+
+#[test]
+fn a_wall_that_has_gone_is_approached_again() {
+    for stiffness in [1e3, 1e4, 1e5] {
+        let terms = later(stiffness, |t| Event::Leave(t, 0.003));
+        let found = press(&terms);
+        assert!(found.settled, "{stiffness}: {found:?}");
+        assert!(found.settling_after < 0.5 + 0.1 + 0.003 / 0.03 + terms.travel(), "{stiffness}: {found:?}");
+    }
+}
+
+#[test]
+fn a_sensor_of_the_wrong_sign_ends_in_a_fault_and_the_tool_leaves() {
+    for stiffness in [1e3, 1e4, 1e5, 1e6] {
+        for bias in [0.0, 5.0] {
+            let terms = Conditions { sign: -1.0, bias, ..Conditions::new(stiffness, 0.03, (0.01, 1, 0.002)) };
+            let (mut law, mut last) = (Pressing::new(&terms), 0.0);
+            let found = run(&terms, &mut law, |[_, force, ..]| last = force);
+            // Behind a bias of 5 N the tool is 6 mm deep in the softest wall, and 5 mm back is not quite out of it.
+            assert!(found.fault && last < 1.0, "{stiffness} {bias}: {last} {found:?}");
+            assert!(found.peak < 1.1 * bound(&terms).max(36.0), "{stiffness} {bias}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_force_above_its_limit_ends_in_a_retreat() {
+    let terms = later(1e4, |t| Event::Push(t, 0.004));
+    let told = ContactSettings { approach_speed: Some(0.03), max_force: 45.0, ..ContactSettings::default() };
+    let mut law = Pressing::told(&terms, Drive { lag_s: 0.01, delay_periods: 1 }, told);
+    let mut last = f64::NAN;
+    let found = run(&terms, &mut law, |[_, force, ..]| last = force);
+    assert_eq!(law.axis().phase, ContactPhase::Fault(FaultCause::ForceLimit));
+    assert!(found.peak < 36.0 && last == 0.0, "{found:?}");
+}
+
+#[test]
+fn the_energy_of_losses_and_jumps_stays_below_the_tank_and_its_refill() {
+    for stiffness in [1e3, 1e4, 1e5] {
+        let terms = later(stiffness, |t| Event::Leave(t, 0.003));
+        let found = press(&terms);
+        // ½ (1.2 F_d)²/K_min, and F_d × 5 cm/s; or what an impact gives before the first reading.
+        let tank = 0.5 * 36.0 * 36.0 / 300.0 + 30.0 * 0.05 * terms.duration();
+        let impact = 0.5 * found.peak.max(found.peak_after).powi(2) / stiffness;
+        assert!(found.energy < tank.max(impact), "{stiffness}: {found:?}");
+    }
+}

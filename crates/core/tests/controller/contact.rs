@@ -1,0 +1,233 @@
+//! The contact law on arms: several directions, other tasks, limits of the joints, faults and late states.
+
+use std::sync::Arc;
+
+use revprio_core::controller::{Controller, ControllerConfig, Memory, Stepper, TaskConfig};
+use revprio_core::law::{ContactLaw, ContactPhase, ContactSettings, FaultCause, Law};
+use revprio_core::limits::Drive;
+use revprio_robot::kinematics::{Axis, Configuration};
+use revprio_robot::{RobotModel, built_in};
+
+use super::arms::{NOMINAL, config, constant, controller, position, sawyer, task};
+use super::drives::LaggingArm;
+
+/// T, s.
+const PERIOD: f64 = 0.002;
+
+const DRIVE: Drive = Drive { lag_s: 0.01, delay_periods: 1 };
+
+fn panda() -> Arc<RobotModel> {
+    let found = built_in().iter().find(|robot| robot.name() == "panda");
+    Arc::clone(found.unwrap())
+}
+
+/// A law of rows of translation with these target forces, N.
+fn contact(forces: &[f64], settings: ContactSettings) -> Law {
+    Law::Contact(ContactLaw::new(constant(forces), vec![settings; forces.len()]).unwrap())
+}
+
+/// A controller of an arm behind [`DRIVE`] with these tasks.
+fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
+    controller(ControllerConfig {
+        period_s: PERIOD,
+        drive: DRIVE,
+        ..ControllerConfig::new(Arc::clone(robot), PERIOD, tasks)
+    })
+}
+
+/// Walls that rest: axis of the base, place along the pressing direction from the start, m, direction and stiffness, N/m.
+type Walls<'a> = &'a [(usize, f64, f64, f64)];
+
+/// An arm before walls.
+struct World<'a> {
+    arm: LaggingArm,
+    robot: Arc<RobotModel>,
+    walls: Walls<'a>,
+    start: [f64; 3],
+    stepper: Stepper,
+    memory: Option<Memory>,
+    time: f64,
+    /// Forces of the last period, N, and the largest ones.
+    force: [f64; 3],
+    peak: [f64; 3],
+    phase: Vec<ContactPhase>,
+}
+
+impl<'a> World<'a> {
+    fn new(robot: &Arc<RobotModel>, q: &[f64], controller: Controller, walls: Walls<'a>) -> Self {
+        let start = Configuration::new(robot, q).unwrap().tool_pose().translation.vector.into();
+        Self {
+            arm: LaggingArm::at_rest(q, DRIVE, 0.0, 1),
+            robot: Arc::clone(robot),
+            walls,
+            start,
+            stepper: Stepper::new(controller).unwrap(),
+            memory: None,
+            time: 0.0,
+            force: [0.0; 3],
+            peak: [0.0; 3],
+            phase: Vec::new(),
+        }
+    }
+
+    fn tool(&self) -> Configuration {
+        Configuration::new(&self.robot, &self.arm.q).unwrap()
+    }
+
+    fn update_force(&mut self) {
+        let at = self.tool().tool_pose().translation.vector;
+        self.force = [0.0; 3];
+        for &(axis, place, direction, stiffness) in self.walls {
+            let depth = direction * (at[axis] - self.start[axis]) - place;
+            self.force[axis] += direction * stiffness * depth.max(0.0);
+        }
+        for (peak, force) in self.peak.iter_mut().zip(self.force) {
+            *peak = peak.max(force.abs());
+        }
+    }
+
+    /// Runs for a time, s; a state arrives every `every` periods.
+    fn run(&mut self, time: f64, every: usize) {
+        let end = self.time + time - 0.5 * PERIOD;
+        while self.time < end {
+            self.update_force();
+            let [x, y, z] = self.force;
+            let mut measured = self.arm.measure(self.time);
+            measured.wrench = [x, y, z, 0.0, 0.0, 0.0];
+            let command = self.stepper.step(&mut self.memory, &measured).unwrap();
+            self.phase = command.targets.iter().flat_map(|target| &target.contact).map(|report| report.phase).collect();
+            for _ in 0..every {
+                self.arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+            }
+            self.time += PERIOD * every as f64;
+        }
+    }
+}
+
+const OTHERS: [Axis; 5] = [Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// z presses downwards with 30 N at 1 cm/s, the others hold their pose.
+fn press_down(robot: &Arc<RobotModel>, settings: ContactSettings) -> Controller {
+    let settings = ContactSettings { approach_speed: Some(0.01), ..settings };
+    pressing(robot, vec![task(&[Axis::Z], contact(&[-30.0], settings)), task(&OTHERS, position(5, 3.0))])
+}
+
+#[test]
+fn arms_press_on_walls_of_unknown_stiffness_and_hold_their_pose() {
+    let posture = [0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8];
+    for (robot, q) in [(sawyer(), NOMINAL), (panda(), posture)] {
+        for stiffness in [1e3, 1e4, 1e5] {
+            let walls = [(2, 0.01, -1.0, stiffness)];
+            let mut world = World::new(&robot, &q, press_down(&robot, ContactSettings::default()), &walls);
+            world.run(2.0 + 1.5 * 30.0 / (stiffness * 0.01), 1);
+            assert!((world.force[2] + 30.0).abs() < 0.1, "{stiffness}: {:?}", world.force);
+            assert!(world.peak[2] < 36.0, "{stiffness}: {:?}", world.peak);
+            let moved = world.tool().tool_pose().translation.vector - nalgebra::Vector3::from(world.start);
+            assert!(moved.x.hypot(moved.y) < 1e-4, "{stiffness}: {moved}");
+        }
+    }
+}
+
+#[test]
+fn two_directions_press_at_once() {
+    let robot = sawyer();
+    let settings = ContactSettings { approach_speed: Some(0.02), ..ContactSettings::default() };
+    let others = [Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task(&[Axis::X, Axis::Z], contact(&[20.0, -10.0], settings)), task(&others, position(4, 3.0))];
+    let walls = [(0, 0.01, 1.0, 2e4), (2, 0.005, -1.0, 5e4)];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    world.run(2.0, 1);
+    let [x, _, z] = world.force;
+    assert!((x - 20.0).abs() < 0.1 && (z + 10.0).abs() < 0.1, "{:?}", world.force);
+    assert!(world.peak[0] < 24.0 && world.peak[2] < 12.0, "{:?}", world.peak);
+}
+
+/// The law is told the velocity that the joints achieve, so it does not wind up, and reaches its force all the same.
+#[test]
+fn slow_joints_only_delay_the_contact() {
+    let robot = sawyer();
+    let slow = robot.joints().iter().map(|joint| {
+        let mut joint = joint.clone();
+        (joint.limits.velocity, joint.limits.acceleration) = (0.02, 0.2);
+        joint
+    });
+    let robot = Arc::new(RobotModel::new("slow", "", slow.collect(), *robot.tool()).unwrap());
+    let walls = [(2, 0.005, -1.0, 1e4)];
+    let mut world = World::new(&robot, &NOMINAL, press_down(&robot, ContactSettings::default()), &walls);
+    world.run(4.0, 1);
+    assert!((world.force[2] + 30.0).abs() < 0.1 && world.peak[2] < 36.0, "{:?} {:?}", world.force, world.peak);
+}
+
+#[test]
+fn a_force_above_its_limit_overrules_higher_tasks() {
+    let robot = sawyer();
+    // The pose above keeps z where it is; only the fault lets it go.
+    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
+    let all = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task(&all, position(6, 3.0)), task(&[Axis::Z], contact(&[-30.0], settings))];
+    let walls = [(2, -0.001, -1.0, 5e4)];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    world.run(0.5, 1);
+    assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)]);
+    let walls_reached = world.peak[2];
+    assert!(walls_reached < 51.0, "{:?}", world.peak);
+    let raised = world.tool().tool_pose().translation.vector.z - world.start[2];
+    assert!(raised > 5e-4, "{raised}");
+}
+
+#[test]
+fn states_that_come_late_keep_the_model_of_the_arm() {
+    let robot = sawyer();
+    for every in [2, 3] {
+        let walls = [(2, 0.01, -1.0, 1e4)];
+        let settings = ContactSettings::default();
+        let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &walls);
+        world.run(2.0, every);
+        assert!((world.force[2] + 30.0).abs() < 0.3 && world.peak[2] < 36.0, "{every}: {:?}", world.force);
+        // The model is where the arm is.
+        let moved = world.start[2] - world.tool().tool_pose().translation.vector.z;
+        let modelled = world.memory.as_ref().unwrap().contacts[0].position;
+        assert!((moved - modelled).abs() < 2e-4, "{every}: {moved} {modelled}");
+    }
+}
+
+#[test]
+fn the_same_controller_goes_on_from_its_contact_and_ends_a_fault() {
+    let robot = sawyer();
+    let walls = [(2, 0.005, -1.0, 1e4)];
+    let settings = ContactSettings { max_force: 60.0, ..ContactSettings::default() };
+    let (first, second) = (press_down(&robot, settings), press_down(&robot, settings));
+    let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &walls);
+    world.run(1.5, 1);
+    let memory = world.memory.clone().unwrap();
+    let kept = second.continue_from(&first, &memory, &world.arm.q).unwrap();
+    assert_eq!(kept.contacts, memory.contacts);
+    let mut faulty = memory.clone();
+    faulty.contacts[0].phase = ContactPhase::Fault(FaultCause::Pull);
+    let kept = second.continue_from(&first, &faulty, &world.arm.q).unwrap();
+    assert_eq!(kept.contacts[0].phase, ContactPhase::Approach);
+    let mut damaged = memory;
+    damaged.contacts[0].estimate.upper = f64::NAN;
+    let mut measured = world.arm.measure(world.time);
+    measured.wrench[2] = -30.0;
+    assert!(world.stepper.step(&mut Some(damaged), &measured).is_err());
+}
+
+#[test]
+fn a_law_without_direction_or_with_impossible_numbers_does_not_exist() {
+    let law = |force: f64, settings| ContactLaw::new(constant(&[force]), vec![settings]);
+    let settings = ContactSettings::default();
+    assert!(law(30.0, settings).is_ok() && law(0.0, settings).is_err());
+    for wrong in [
+        ContactSettings { noise: 0.0, ..settings },
+        ContactSettings { stiffest: 10.0, ..settings },
+        ContactSettings { max_force: 0.5, ..settings },
+        ContactSettings { approach_speed: Some(f64::NAN), ..settings },
+        ContactSettings { bias: -1.0, ..settings },
+    ] {
+        assert!(law(30.0, wrong).is_err(), "{wrong:?}");
+    }
+    // The robot config of the tests is the slow one of most arms.
+    let tasks = vec![task(&[Axis::Z], contact(&[-30.0], settings))];
+    assert!(Controller::new(config(&sawyer(), tasks)).is_ok());
+}

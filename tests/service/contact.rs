@@ -1,0 +1,109 @@
+//! The law `contact` over HTTP: sessions and stateless steps, what an answer tells, and what is refused.
+
+use serde_json::{Value, json};
+
+use crate::harness::{Service, without};
+
+const START: [f64; 7] = [2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2];
+
+fn controller(law: &Value) -> Value {
+    json!({"robot": "sawyer_dh", "period_s": 0.002, "drive": {"lag_s": 0, "delay_periods": 0}, "tasks": [
+        {"name": "press", "axes": ["z"], "law": law},
+        {"name": "hold", "axes": ["x", "y", "rx", "ry", "rz"], "law": {"kind": "pose", "gain": 3}}
+    ]})
+}
+
+fn law() -> Value {
+    json!({"kind": "contact", "target_force": {"kind": "constant", "value": -15}, "approach_speed": 0.01})
+}
+
+fn state(sequence: u64, q: &[f64], force: f64) -> Value {
+    json!({"sequence": sequence, "time_s": sequence as f64 * 0.002, "joint_position": q,
+        "wrench": {"force": [0, 0, force], "torque": [0, 0, 0]}})
+}
+
+#[test]
+fn sessions_and_stateless_steps_press_with_the_same_bytes_and_tell_the_contact() {
+    let service = Service::start();
+    let controller = controller(&law());
+    let session = service.open(&controller);
+    let (mut q, mut memory, mut depth, mut states) = (START.to_vec(), Value::Null, -0.002, Vec::new());
+    for sequence in 0..600 {
+        // A spring 2 mm below the start.
+        let state = state(sequence, &q, -(2e4 * f64::max(depth, 0.0)));
+        let by_session = service.call(&format!("{session}/step"), &state);
+        let stateless = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+        memory = stateless["memory"].clone();
+        let velocity: Vec<f64> = serde_json::from_value(by_session["joint_velocity"].clone()).unwrap();
+        q.iter_mut().zip(&velocity).for_each(|(q, v)| *q += 0.002 * v);
+        depth -= 0.002 * by_session["tasks"][0]["achieved"][0].as_f64().unwrap();
+        let contact = by_session["tasks"][0]["contact"][0].clone();
+        assert_eq!(by_session["tasks"][1].get("contact"), None);
+        let answer = |answer: Value| without(answer, &["elapsed_us", "memory"]).to_string();
+        assert_eq!(answer(by_session), answer(stateless));
+        if states.last() != Some(&contact["state"]) {
+            states.push(contact["state"].clone());
+        }
+        if sequence == 599 {
+            let stiffness = contact["stiffness"].as_f64().unwrap();
+            assert!((stiffness / 2e4 - 1.0).abs() < 0.1, "{contact}");
+            assert!((contact["predicted_force"].as_f64().unwrap() - 15.0).abs() < 0.5, "{contact}");
+        }
+    }
+    assert_eq!(states, ["approach", "contact"]);
+    assert!((2e4 * depth - 15.0).abs() < 0.1, "{depth}");
+    assert_eq!(memory["contacts"][0]["state"], "contact");
+}
+
+#[test]
+fn a_pull_ends_in_a_fault_that_another_controller_ends() {
+    let service = Service::start();
+    let session = service.open(&controller(&law()));
+    let step = |sequence, force| service.call(&format!("{session}/step"), &state(sequence, &START, force));
+    assert_eq!(step(0, 0.0)["tasks"][0]["contact"][0]["state"], "approach");
+    let contact = step(1, 3.0)["tasks"][0]["contact"][0].clone();
+    assert_eq!((&contact["state"], &contact["fault"]), (&json!("fault"), &json!("pull")));
+    assert_eq!(step(2, 0.0)["tasks"][0]["contact"][0]["state"], "fault");
+    service.send("PUT", &session, &[("content-type", "application/json")], &controller(&law()).to_string()).accepted();
+    assert_eq!(step(3, 0.0)["tasks"][0]["contact"][0]["state"], "approach");
+}
+
+#[test]
+fn wrong_numbers_of_the_law_are_refused_with_their_place() {
+    let service = Service::start();
+    let refused = |field: &str, value: Value| {
+        let mut law = law();
+        law[field] = value;
+        let pointer = format!("/tasks/0/law/{field}");
+        service.post("/v1/controllers", &controller(&law).to_string()).assert_refused(422, Some(&pointer));
+    };
+    refused("approach_speed", json!(0));
+    refused("max_force", json!(0.1));
+    refused("stiffest", json!(10));
+    refused("noise", json!(-1));
+    refused("bias", json!(-1));
+    refused("sensor_lag_s", json!(-1));
+    refused("target_force", json!({"kind": "constant", "value": 0}));
+    let mut list = law();
+    list["noise"] = json!([0.2, 0.2]);
+    service.post("/v1/controllers", &controller(&list).to_string()).assert_refused(422, Some("/tasks/0/law/noise"));
+    let mut raw = controller(&law());
+    raw["tasks"][0] = json!({"name": "press", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "law": law()});
+    service.post("/v1/controllers", &raw.to_string()).assert_refused(422, Some("/tasks/0/law/kind"));
+}
+
+#[test]
+fn a_memory_whose_contacts_do_not_fit_is_refused() {
+    let service = Service::start();
+    let mut request = json!({"controller": controller(&law()), "state": state(0, &START, 0.0), "memory": null});
+    let memory = service.call("/v1/step", &request)["memory"].clone();
+    request["state"] = state(1, &START, 0.0);
+    let mut refused = |pointer: &str, change: &dyn Fn(&mut Value)| {
+        request["memory"] = memory.clone();
+        change(&mut request["memory"]["contacts"]);
+        service.post("/v1/step", &request.to_string()).assert_refused(422, Some(pointer));
+    };
+    refused("/memory/contacts/0/fault", &|contacts| contacts[0]["fault"] = json!("pull"));
+    refused("/memory", &|contacts| contacts[0]["spent_j"] = json!(-1));
+    refused("/memory/contacts", &|contacts| *contacts = json!([contacts[0], contacts[0]]));
+}
