@@ -1,11 +1,13 @@
 // Measures how often the scene is drawn per second, with WebGL and on the canvas, and how the memory of the page grows. The browser
 // draws without a graphics card, unless FRAMES_GPU=1 lets it use one. docs/dashboard.md has the figures. Run it after
 // tests/browser/run:
-//     REVPRIO=target/debug/revprio node target/browser/frames.mjs [MINUTES]
+//     REVPRIO=target/debug/revprio node target/browser/frames.mjs             drawings per second
+//     REVPRIO=target/debug/revprio node target/browser/frames.mjs MINUTES     memory, on the canvas
 
 import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForState, waitForText } from './harness.mjs';
 
 const [minutes = '0'] = process.argv.slice(2);
+const measuresMemory = Number(minutes) > 0;
 
 /** Time over which drawings are counted, s. */
 const SECONDS = 8;
@@ -68,34 +70,41 @@ async function rate(page) {
 const usesCard = process.env.FRAMES_GPU === '1';
 const browser = await launch({ webgl: true, card: usesCard });
 const service = await serve();
-console.log('| renderer | arm | drawings per second | pixels |\n|---|---|---|---|');
-for (const renderer of ['webgl', 'canvas']) {
-  for (const count of [0, 6000, 60_000]) {
-    const { page, close } = await open(browser, `${service.url}/?renderer=${renderer}#scenario=playground&robot=panda&motion=eight`);
-    await waitForState(page, 'connection', 'ready');
-    if (count > 0) await dropChain(page, count);
-    await waitForState(page, 'phase', 'running');
-    console.log(`| ${renderer} | ${count > 0 ? `${count} triangles, dropped` : 'Panda'} | ${await rate(page)} |`);
-    await page.goto('about:blank');
-    await close();
+if (measuresMemory) await printMemory(Number(minutes));
+else await printRates();
+cleanUp();
+await browser.close();
+process.exit(0);
+
+/** Prints the drawings per second of both renderers. */
+async function printRates() {
+  console.log('| renderer | arm | drawings per second | pixels |\n|---|---|---|---|');
+  for (const renderer of ['webgl', 'canvas']) {
+    for (const count of [0, 6000, 60_000]) {
+      const { page, close } = await open(browser, `${service.url}/?renderer=${renderer}#scenario=playground&robot=panda&motion=eight`);
+      await waitForState(page, 'connection', 'ready');
+      if (count > 0) await dropChain(page, count);
+      await waitForState(page, 'phase', 'running');
+      console.log(`| ${renderer} | ${count > 0 ? `${count} triangles, dropped` : 'Panda'} | ${await rate(page)} |`);
+      await page.goto('about:blank');
+      await close();
+    }
   }
 }
 
-if (Number(minutes) > 0) {
-  const { page } = await open(browser, `${service.url}/?renderer=webgl`, { viewport: { width: 500, height: 400 } });
+/** Prints the memory of the page while it runs. */
+async function printMemory(total) {
+  const { page } = await open(browser, `${service.url}/?renderer=canvas`);
   page.setDefaultTimeout(TIMEOUT_MS);
   const tools = await page.context().newCDPSession(page);
   await tools.send('HeapProfiler.enable');
-  console.log('\n| minute | JavaScript heap after a collection, MB |\n|---|---|');
-  for (let minute = 0; minute <= Number(minutes); minute += 1) {
+  console.log('| minute | JavaScript heap after a collection, MB |\n|---|---|');
+  for (let minute = 0; minute <= total; minute += 1) {
     await tools.send('HeapProfiler.collectGarbage');
     const { usedSize } = await tools.send('Runtime.getHeapUsage');
     if (minute % 2 === 0) console.log(`| ${minute} | ${(usedSize / 1e6).toFixed(1)} |`);
     const phase = await page.getAttribute('#phase', 'data-phase');
     if (phase === 'finished') await page.click('#go');
-    if (minute < Number(minutes)) await page.waitForTimeout(60_000);
+    if (minute < total) await page.waitForTimeout(60_000);
   }
 }
-cleanUp();
-await browser.close();
-process.exit(0);

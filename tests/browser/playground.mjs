@@ -62,7 +62,7 @@ test('a dragged target leads the tool, and undo returns it', options, () => with
   await page.mouse.up();
   await page.waitForFunction(() => !document.getElementById('undo').disabled);
   await waitForTool(page, start, 0.03, true);
-  await waitForText(page, '#reason', /task 3 “posture” gives up [\d.]+ rad\/s/);
+  await waitForText(page, '#reason', /task 3 “posture” (gives up [\d.]+ rad\/s|stays [\d.]+° from its target)/);
   await page.click('#undo');
   await waitForTool(page, start, 0.005, false);
   await page.waitForFunction(() => document.getElementById('undo').disabled);
@@ -77,7 +77,7 @@ test('the keyboard moves the target, and a plane that the user adds holds the to
   await waitForState(page, 'phase', 'running');
   await page.focus('#scene');
   for (let i = 0; i < 12; i += 1) await page.keyboard.press('Shift+ArrowDown');
-  await waitForText(page, '#reason', /Plane 1 holds the arm back; task 1 “position” gives up [\d.]+ m\/s/);
+  await waitForText(page, '#reason', /Plane 1 holds the arm back; task 1 “position” (gives up [\d.]+ m\/s|stays [\d.]+ mm from its target)/);
   await page.click('[aria-label="Remove plane 1"]');
   await waitForText(page, '#reason', /^(?!.*Plane 1)/);
   await page.waitForFunction(() => Number.parseFloat(document.getElementById('force-value').textContent) < 3);

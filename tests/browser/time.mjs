@@ -163,7 +163,7 @@ test('the sentence names each joint once, calls redundancy no conflict, and is n
     const q = [0, 0, 0, -1.5, 0, 1.8, 0];
     const of = (tasks, residuals, change) => {
       const sample = {
-        time_s: 1, joint_position: q, joint_velocity: q.map(() => 0.3), at_lower: [], at_upper: [], active_inequalities: [],
+        time_s: 1, position: [0.4, 0, 0.6], joint_position: q, joint_velocity: q.map(() => 0.3), at_lower: [], at_upper: [], active_inequalities: [],
         residual_norms: residuals.map((rows) => Math.hypot(...rows)), task_residuals: residuals, ...change,
       };
       const history = new History();
@@ -172,12 +172,14 @@ test('the sentence names each joint once, calls redundancy no conflict, and is n
       history.columns.angular0[0] = NaN;
       history.samples[0] = sample;
       history.length = 1;
-      return reason({ history, sample, controller: { tasks }, robot, labels, order: [], threshold: 0.15, sigma: 0.3 });
+      const plane = { kind: 'plane', name: 'plane 1', normal: [0, 0, -1], offset_m: -0.3 };
+      return reason({ history, sample, controller: { tasks, inequalities: [plane] }, robot, labels, order: [], threshold: 0.15, sigma: 0.3 });
     };
     return {
       ordinary: of([position, posture], [[0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
       twice: of([position, posture], [[0.1, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { at_lower: [3], at_upper: [3] }),
       rest: of([position, posture], [[7.3, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0) }),
+      plane: of([position, posture], [[0.2, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0), position: [0.4, 0, 0.302] }),
       conflict: of([position, posture], [[0.2, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
     };
   });
@@ -186,5 +188,6 @@ test('the sentence names each joint once, calls redundancy no conflict, and is n
   assert.equal(reasons.twice.text.match(/joint4/gi).length, 1, reasons.twice.text);
   assert.match(reasons.rest.text, /task 1 “position” stays 822 mm from its target\.$/);
   assert.doesNotMatch(reasons.rest.text, /m\/s/);
+  assert.equal(reasons.plane.text, 'Plane 1 holds the arm back; task 1 “position” stays 822 mm from its target.');
   assert.equal(reasons.conflict.kind, 'limited');
 }));

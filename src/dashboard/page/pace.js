@@ -4,11 +4,11 @@
 const DENSITIES = [2, 1.5, 1, 0.7];
 
 /** Number of drawings that are measured, and the time per drawing above which fewer pixels are drawn, ms. */
-const MEASURED = 24;
+const MEASURED = 12;
 const SLOW = 30;
 
 /** Longest pause between two drawings of one motion, ms: longer ones are rests. */
-const REST = 400;
+const REST = 3000;
 
 export class Pace {
   constructor() {

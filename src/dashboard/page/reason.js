@@ -20,6 +20,9 @@ const AT_SPEED = 0.98;
 /** Smallest velocity that a task gives up, m/s or rad/s. */
 const MIN_GIVEN_UP = 1e-4;
 
+/** Distance of the tool from a plane at which it has reached it, m. */
+const AT_PLANE = 0.005;
+
 /** Speed of all joints below which the arm rests, rad/s or m/s. */
 const RESTING = 2e-3;
 
@@ -47,7 +50,7 @@ function recent({ history, sample }) {
 export function reason(view) {
   const sample = recent(view);
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
-  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(sample), ...singularCause(view)];
+  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(view, sample), ...singularCause(view)];
   const losses = lossesOf(view, sample);
   if (sample.why) return { text: capital(`${sample.why.join('; ')}.`), kind: losses.length > 0 && !isOrdinary(view, losses) ? 'limited' : 'ok' };
   if (losses.length === 0) {
@@ -59,7 +62,7 @@ export function reason(view) {
     const held = causes.length > 0 ? `${joined(causes)}; ` : '';
     return { text: capital(`${held}every task above is achieved; ${joined(lost)}, since it has the motion that is left.`), kind: 'ok' };
   }
-  const why = causes.length > 0 ? joined(causes) : 'the tasks are in conflict';
+  const why = causes.length > 0 ? joined(causes) : rests(sample) ? 'the arm rests' : 'the tasks are in conflict';
   return { text: capital(`${why}; ${joined(lost)}.`), kind: 'limited' };
 }
 
@@ -117,10 +120,21 @@ function pairCauses({ active_inequalities: names }) {
   return names.filter((name) => name.startsWith(PAIR)).map((name) => name.slice(PAIR.length).replace('/', ' keeps clear of '));
 }
 
-/** @type {(sample: LiveSample) => string[]} */
-function planeCauses({ active_inequalities: names }) {
-  const others = names.filter((name) => !name.startsWith(PAIR));
-  return others.map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
+/** @type {(view: View, sample: LiveSample) => string[]} */
+function planeCauses({ controller }, sample) {
+  const reached = rests(sample) ? planesAt(controller, sample) : [];
+  const others = new Set([...sample.active_inequalities.filter((name) => !name.startsWith(PAIR)), ...reached]);
+  return [...others].map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
+}
+
+/** Returns the planes that the tool has reached. They are not active once the arm rests and its requests have faded. @type {(controller: View['controller'], sample: LiveSample) => string[]} */
+function planesAt(controller, { position: tool }) {
+  return (controller?.inequalities ?? []).flatMap((inequality) => {
+    if (inequality.kind !== 'plane') return [];
+    const { normal, offset_m: offset, name } = inequality;
+    const along = normal.reduce((sum, part, i) => sum + part * tool[i], 0) / Math.hypot(...normal);
+    return along > offset - AT_PLANE ? [name ?? 'a plane'] : [];
+  });
 }
 
 /** @type {(view: View) => string[]} */
