@@ -46,9 +46,6 @@ const DIFFERENCE: f64 = 6.0;
 /// How far below −f₅ a force is a pull, in units of σ: noise of the stated size reaches 8 σ in no run.
 const PULL: f64 = 3.0;
 
-/// Speed above which the tool still moves forward after a fault, m/s.
-const STILL_FORWARD: f64 = 1e-3;
-
 /// Way back after a fault, m, and its speed, m/s.
 const FAULT_RETREAT: (f64, f64) = (0.006, 0.05);
 
@@ -121,9 +118,6 @@ impl Step<'_> {
             axis.before_retreat = axis.sensed_position;
         }
         if matches!(axis.phase, ContactPhase::Fault(_)) {
-            if self.input.last_velocity > STILL_FORWARD * settings.metre {
-                axis.estimate.restart_means(axis.sensed_position, force);
-            }
             return;
         }
         let retreat = axis.before_retreat - axis.sensed_position;
@@ -139,7 +133,6 @@ impl Step<'_> {
         };
         if let Some(cause) = cause {
             (axis.phase, axis.fault_position) = (ContactPhase::Fault(cause), axis.position);
-            axis.estimate.restart_means(axis.sensed_position, force);
         }
     }
 
@@ -230,10 +223,7 @@ impl Step<'_> {
                 let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
                 let end = axis.fault_position - way * settings.metre;
                 let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
-                // What pulls may be a surface behind the tool: then the force grows on the way back.
-                let grows = force < axis.estimate.mean_force - DIFFERENCE * settings.noise;
-                let is_blocked = cause == FaultCause::Pull && grows;
-                if axis.position + to_rest > end && !is_blocked { -speed } else { 0.0 }
+                if axis.position + to_rest > end { -speed } else { 0.0 }
             }
         }
     }
