@@ -1,5 +1,6 @@
 // Helpers of the dashboard tests: start the service and the browser, open the page, collect its errors.
 
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -90,6 +91,20 @@ export async function open(browser, url, options = {}) {
   });
   await page.goto(url);
   return { page, pageErrors, close: () => context.close() };
+}
+
+/** Opens a setup of a service; `body` gets the page. Afterwards the page must have had no errors. */
+export async function withSetup(browser, url, body, context = {}) {
+  const { page, pageErrors, close } = await open(browser, url, context);
+  try {
+    await waitForState(page, 'connection', 'ready');
+    await body(page);
+    assert.deepEqual(pageErrors, []);
+  } finally {
+    // The page deletes its runs when it is left. The service accepts only a few.
+    await page.goto('about:blank');
+    await close();
+  }
 }
 
 /** Waits until a pill (`connection` or `phase`) shows one of `values`. */

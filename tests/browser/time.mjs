@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, launch, number, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, launch, number, open, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
 
 let browser;
 let service;
@@ -19,17 +19,9 @@ after(async () => {
 
 const options = { timeout: 2 * TIMEOUT_MS };
 
-/** Opens a setup; afterwards the page must have had no errors. */
-async function withPage(fragment, body, context = {}) {
-  const { page, pageErrors, close } = await open(browser, `${service.url}/#${fragment}`, context);
-  try {
-    await waitForState(page, 'connection', 'ready');
-    await body(page);
-    assert.deepEqual(pageErrors, []);
-  } finally {
-    await page.goto('about:blank');
-    await close();
-  }
+/** Opens a setup; `body` gets the page. */
+function withPage(fragment, body, context = {}) {
+  return withSetup(browser, `${service.url}/#${fragment}`, body, context);
 }
 
 const clock = async (page) => number(page, '#clock');

@@ -2,7 +2,7 @@
 //!
 //! A channel has one number. Its targets come with the measurements, alone or with the actions of a [chunk](crate::streaming), and are
 //! due when the actions are due: delayed, moved and replaced with them. Between two targets the channel follows the line, after the last
-//! one it stays. Its command changes by at most the maximum rate, and stays within its range. No target ever moves the arm.
+//! one it stays. Its command stays within its range, and changes by at most the maximum rate there. No target ever moves the arm.
 
 use revprio_robot::profile::Profile;
 
@@ -152,7 +152,9 @@ impl ChannelState {
         let Some(wanted) = self.wanted(config, time_s, profile_s) else { return };
         let wanted = wanted.clamp(config.lower, config.upper);
         let change = config.max_rate * period;
-        self.command = Some(self.command.map_or(wanted, |last| last + (wanted - last).clamp(-change, change)));
+        // The range comes before the rate: a controller that replaces another one may have a narrower range.
+        let command = self.command.map_or(wanted, |last| last + (wanted - last).clamp(-change, change));
+        self.command = Some(command.clamp(config.lower, config.upper));
     }
 
     /// Returns the target of now; `None`: there is none yet.
@@ -212,6 +214,8 @@ mod tests {
             assert!((-1e-15..=0.001 + 1e-12).contains(&change), "{change}");
         }
         assert_eq!(state.command, Some(0.0));
+        state.advance(&ChannelConfig { lower: 0.03, ..config }, 1.0, 0.0, 0.01);
+        assert_eq!(state.command, Some(0.03), "a narrower range holds at once");
     }
 
     #[test]

@@ -29,7 +29,8 @@ pub struct State {
     /// noisy; default: the last command.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`.
+    /// Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance` and
+    /// `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
     /// Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries; required by

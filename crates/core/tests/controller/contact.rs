@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use revprio_core::controller::{Controller, ControllerConfig, Memory, Stepper, TaskConfig};
-use revprio_core::law::{ContactLaw, ContactPhase, ContactSettings, FaultCause, Law};
+use revprio_core::law::{
+    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law,
+};
 use revprio_core::limits::Drive;
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 
@@ -51,6 +54,8 @@ struct World<'a> {
     force: [f64; 3],
     peak: [f64; 3],
     phase: Vec<ContactPhase>,
+    /// What arrives with the next state.
+    targets: Vec<StreamedTarget>,
 }
 
 impl<'a> World<'a> {
@@ -67,6 +72,7 @@ impl<'a> World<'a> {
             force: [0.0; 3],
             peak: [0.0; 3],
             phase: Vec::new(),
+            targets: Vec::new(),
         }
     }
 
@@ -94,6 +100,7 @@ impl<'a> World<'a> {
             let [x, y, z] = self.force;
             let mut measured = self.arm.measure(self.time);
             measured.wrench = [x, y, z, 0.0, 0.0, 0.0];
+            measured.targets = std::mem::take(&mut self.targets);
             let command = self.stepper.step(&mut self.memory, &measured).unwrap();
             self.phase = command.targets.iter().flat_map(|target| &target.contact).map(|report| report.phase).collect();
             for _ in 0..every {
@@ -171,8 +178,61 @@ fn a_force_above_its_limit_overrules_higher_tasks() {
     assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)]);
     let walls_reached = world.peak[2];
     assert!(walls_reached < 51.0, "{:?}", world.peak);
-    let raised = world.tool().tool_pose().translation.vector.z - world.start[2];
-    assert!(raised > 5e-4, "{raised}");
+    let raised = |world: &World| world.tool().tool_pose().translation.vector.z - world.start[2];
+    assert!(raised(&world) > 5e-4, "{}", raised(&world));
+    // The tasks above do not bring the tool back.
+    world.run(1.0, 1);
+    let rest = raised(&world);
+    for _ in 0..10 {
+        world.run(0.1, 1);
+        assert!((raised(&world) - rest).abs() < 1e-5, "{} {rest}", raised(&world));
+    }
+}
+
+/// A contact goes on when streamed forces fail to come, and a fault retreats then, too.
+#[test]
+fn a_contact_and_its_fault_go_on_when_streamed_forces_fail_to_come() {
+    let robot = sawyer();
+    let (walls, raised) = ([(2, 0.005, -1.0, 1e4)], [(2, -0.005, -1.0, 1e4)]);
+    let settings = ContactSettings { max_force: 60.0, ..ContactSettings::default() };
+    let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &walls);
+    world.run(1.5, 1);
+    let value = StreamedValue::Force(vec![-20.0]);
+    world.targets = vec![StreamedTarget { task: 0, time_s: world.time, value, velocity: None, ahead: Vec::new() }];
+    world.run(4.0, 1);
+    assert_eq!(world.phase, [ContactPhase::Contact]);
+    assert!((world.force[2] + 20.0).abs() < 0.1, "{:?}", world.force);
+    world.walls = &raised;
+    world.run(2.0, 1);
+    assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)]);
+    assert!(world.force[2] == 0.0, "{:?}", world.force);
+}
+
+/// In free space, noise of the stated size is no pull; a steady one is.
+#[test]
+fn one_sample_of_noise_is_no_pull() {
+    let robot = sawyer();
+    let mut stepper = Stepper::new(press_down(&robot, ContactSettings::default())).unwrap();
+    let mut memory = None;
+    for (period, (force, is_fault)) in [(0.0, false), (1.3, false), (0.0, false), (2.0, true)].into_iter().enumerate() {
+        let mut measured = LaggingArm::at_rest(&NOMINAL, DRIVE, 0.0, 1).measure(period as f64 * PERIOD);
+        measured.wrench[2] = force;
+        let command = stepper.step(&mut memory, &measured).unwrap();
+        let phase = command.targets[0].contact[0].phase;
+        assert_eq!(matches!(phase, ContactPhase::Fault(FaultCause::Pull)), is_fault, "{force} N: {phase:?}");
+    }
+}
+
+/// The clock of a held contact never runs below zero, however long a period is.
+#[test]
+fn the_memory_stays_valid_with_long_periods() {
+    let Law::Contact(law) = contact(&[30.0], ContactSettings::default()) else { unreachable!() };
+    let timing = ContactTiming::new(1.0, Drive { lag_s: 0.0, delay_periods: 0 }, 0.002, 0.0);
+    let mut axis = ContactAxis { phase: ContactPhase::Contact, hold_time: 0.2, ..ContactAxis::START };
+    axis.estimate.upper = 1e6;
+    let input = AxisInput { force: 90.0, target: 30.0, to_rest: 0.0, last_velocity: 0.0, acceleration: 5.0 };
+    law.step(0, &timing, input, &mut axis);
+    assert_eq!(axis.hold_time, 0.0);
 }
 
 #[test]
@@ -206,6 +266,10 @@ fn the_same_controller_goes_on_from_its_contact_and_ends_a_fault() {
     faulty.contacts[0].phase = ContactPhase::Fault(FaultCause::Pull);
     let kept = second.continue_from(&first, &faulty, &world.arm.q).unwrap();
     assert_eq!(kept.contacts[0].phase, ContactPhase::Approach);
+    let settings = ContactSettings { approach_speed: Some(0.01), ..settings };
+    let up = vec![task(&[Axis::Z], contact(&[30.0], settings)), task(&OTHERS, position(5, 3.0))];
+    let reversed = pressing(&robot, up).continue_from(&first, &memory, &world.arm.q).unwrap();
+    assert_eq!(reversed.contacts, [ContactAxis::START], "the memory is along the pressing direction");
     let mut damaged = memory;
     damaged.contacts[0].estimate.upper = f64::NAN;
     let mut measured = world.arm.measure(world.time);
