@@ -4094,8 +4094,8 @@ class State(Body):
     - obstacles: Where the moving obstacles of the controller are; each must be named. Default: none.
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
       task interpolates or extrapolates, as its `streaming` says.
-    - wrench: Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and
-      `hybrid`.
+    - wrench: Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance`
+      and `hybrid`.
     - wrenches: Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what
       the tip carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of
       `wrench_frame`: of the base, or of the tip itself. Default: none.
@@ -4120,7 +4120,8 @@ class State(Body):
     """New targets by task name, if any arrived since the last state; default: none. Between targets the task
     interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
-    """Measured wrench, without the weight of the tool; required by the laws `force`, `impedance` and `hybrid`."""
+    """Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance` and
+    `hybrid`."""
     wrenches: dict[str, Wrench] | None = None
     """Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip
     carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of `wrench_frame`: of the
