@@ -1,5 +1,6 @@
 """LeRobot's kinematics and actions, without LeRobot, and the same numbers as the real package, if installed."""
 
+import gc
 import math
 import os
 import runpy
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
+import revprio
 from revprio.lerobot import EEToJoints, RobotKinematics
 
 PANDA = str(ROOT / "fixtures/robots/panda.urdf")
@@ -36,6 +38,15 @@ def test_the_inverse_undoes_the_forward_kinematics(kinematics: RobotKinematics) 
     goal = kinematics.forward_kinematics(START + 8)
     found = kinematics.inverse_kinematics(START, goal, orientation_weight=1.0)
     assert np.abs(kinematics.forward_kinematics(found) - goal).max() < 1e-6
+
+
+def test_kinematics_that_nobody_uses_leave_no_robot_behind() -> None:
+    known = {robot.name for robot in revprio.robots()}
+    kinematics = RobotKinematics(PANDA, "panda_link8", NAMES)
+    assert len(revprio.robots()) == len(known) + 1
+    del kinematics
+    gc.collect()
+    assert {robot.name for robot in revprio.robots()} == known
 
 
 def test_a_target_out_of_reach_is_approached_and_nothing_is_raised(kinematics: RobotKinematics) -> None:

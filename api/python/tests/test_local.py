@@ -72,7 +72,8 @@ def test_random_problems_are_resolved_as_over_http_to_the_last_bit(client: Clien
 
 def test_a_batch_equals_single_problems_and_the_batch_over_http(client: Client) -> None:
     rng = np.random.default_rng(2)
-    robots = revprio.robots()
+    # Other tests register robots in this process.
+    robots = client.robots()
     problems = [revprio.ResolveRequest.model_validate(random_problem(rng, robots)) for _ in range(100)]
     problems.append(revprio.ResolveRequest(tasks=[ResolveTask(axes="x", velocity=1)]))
     here, there = revprio.resolve_batch(problems), client.resolve_batch(problems)

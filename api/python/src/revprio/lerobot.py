@@ -13,6 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -60,6 +61,8 @@ class RobotKinematics:
         joints = _moving_joints(text)
         slow = {joint: StatedLimits(velocity=SPEED_RAD_S) for joint, has_speed in joints.items() if not has_speed}
         robot = LOCAL.register_robot(name=name, urdf=text, tip=target_frame_name, limits=slow or None)
+        finalizer = weakref.finalize(self, LOCAL.delete_robot, robot.name)
+        finalizer.atexit = False
         self.target_frame_name = target_frame_name
         self._robot = robot.name
         self._chain = [joint.name for joint in robot.joints]
