@@ -115,6 +115,7 @@ proptest! {
             sample.target_force = [0, 1, 2].map(|i| (!missing[i]).then_some(optional[i]));
             sample.wall_distance = (!missing[3]).then_some(optional[0]);
             sample.kkt_residual = missing[3].then_some(optional[1]);
+            sample.least_distance = is_sensed.then_some(optional[2]);
             sample.limits.fill(limit);
             sample.answer_age = age;
             sample.answered = missing[0];
@@ -171,7 +172,7 @@ fn errors_name_files_columns_and_values_that_are_not_valid() {
 fn documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all = TableLayout { channels: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all = TableLayout { watched: true, channels: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
     let missing: Vec<String> = all
         .columns()
         .iter()

@@ -78,9 +78,29 @@ fn a_hand_goes_out_of_the_way_of_a_ball_and_returns() {
         run.samples.iter().map(|sample| far(start, ball(sample.time_s))).fold(f64::INFINITY, f64::min);
     assert!(nearest_of_start < 0.05, "the ball passes the hand at {nearest_of_start} m");
     assert!(nearest > 0.1, "{nearest} m");
+    let kept = scenario.controller.collisions.as_ref().unwrap().min_distance_m;
+    let least = Metrics::of(&run).least_distance_m.unwrap();
+    assert!(least > kept && least < nearest, "{least} of {kept} m, tool {nearest} m");
     assert!(largest(&run.samples, |sample| far(sample.position, start)) > 0.1, "the hand moves");
     let end = far(run.samples.last().unwrap().position, start);
     assert!(end < 2e-3, "{end} m");
+}
+
+#[test]
+fn a_motion_that_a_controller_would_refuse_is_refused_before_the_run() {
+    let mut scenario = scenario("examples/scenarios/passing_ball.toml");
+    let mut refusal = |displacement: serde_json::Value| {
+        scenario.obstacle_motions[0].displacement = serde_json::from_value(displacement).unwrap();
+        scenario.check().map_err(|error| error.pointer)
+    };
+    let pointer = Err("/obstacle_motions/0/displacement".to_owned());
+    let point = |time_s: f64, y: f64| serde_json::json!({"time_s": time_s, "value": [0, y, 0]});
+    let path = |points: &[serde_json::Value]| serde_json::json!({"kind": "waypoints", "points": points});
+    assert_eq!(refusal(serde_json::json!({"kind": "constant", "value": [0, 999, 0]})), Ok(()));
+    assert_eq!(refusal(serde_json::json!({"kind": "constant", "value": [0, 1001, 0]})), pointer);
+    assert_eq!(refusal(path(&[point(0.0, 0.0), point(1.0, 19.0)])), Ok(()));
+    assert_eq!(refusal(path(&[point(0.0, 0.0), point(1.0, 54.0)])), pointer);
+    assert_eq!(refusal(path(&[point(0.0, 0.0), point(1e-4, 0.1)])), pointer);
 }
 
 #[test]

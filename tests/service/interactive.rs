@@ -187,6 +187,33 @@ fn a_target_leads_the_tool_and_samples_explain_the_tasks() {
     assert!((reached[1] - start[1] - 0.02).abs() < 0.01, "{start:?}, {reached:?}");
 }
 
+#[test]
+fn samples_say_where_obstacles_are_and_how_near() {
+    let service = Service::start();
+    let ball = json!({"name": "ball", "sphere": {"center": [0.3, 1.0, 0.5], "radius": 0.05}, "moves": true});
+    let change = |scenario: &mut Value| {
+        scenario["controller"]["robot"] = json!("sawyer");
+        scenario["controller"]["collisions"] = json!({"obstacles": [ball]});
+        let displacement =
+            json!({"kind": "ramp", "start": [0, 0, 0], "end": [0, 1, 0], "start_time_s": 0, "duration_s": 10});
+        scenario["obstacle_motions"] = json!([{"name": "ball", "displacement": displacement}]);
+    };
+    let run = start(&service, "stiff_wall", change, true);
+    let mut viewer = Viewer::open(&service, &run);
+    control(&service, &run, &json!({"step": 101}));
+    let seen = samples(&viewer.until(|frame| frame["done"] == 101));
+    let room = &seen.last().unwrap()["room"];
+    assert_eq!(room["obstacles"][0]["name"], "ball");
+    assert!((numbers(&room["obstacles"][0]["position"])[1] - 1.01).abs() < 1e-9, "{room}");
+    assert_eq!(numbers(&room["obstacles"][0]["velocity"]), [0.0, 0.1, 0.0]);
+    let pairs = room["report"]["pairs"].as_array().unwrap();
+    assert!(!pairs.is_empty() && room["report"]["least_distance_m"].as_f64().unwrap() > 0.0, "{room}");
+    let without = start(&service, "stiff_wall", |_| (), true);
+    let mut viewer = Viewer::open(&service, &without);
+    control(&service, &without, &json!({"step": 1}));
+    assert!(samples(&viewer.until(|frame| frame["done"] == 1))[0]["room"].is_null());
+}
+
 fn orientation(sample: &Value) -> Value {
     let parts = numbers(&sample["orientation"]);
     json!({"w": parts[0], "x": parts[1], "y": parts[2], "z": parts[3]})

@@ -105,12 +105,13 @@ function obstaclesOf(runControl, controller) {
   });
 }
 
-/** Returns the nearest pairs: those of the answer of a session, or those that the service computes for the posture. @type {(runControl: RunControl, controller: Controller, poses: LinkPoses | null, position: number[]) => Pair[]} */
+/** Returns the nearest pairs: those of an answer, or those that the service computes for the posture. @type {(runControl: RunControl, controller: Controller, poses: LinkPoses | null, position: number[]) => Pair[]} */
 function pairsOf(runControl, controller, poses, position) {
   const { collisions } = controller;
   if (!collisions) return [];
   const kept = collisions.min_distance_m ?? DEFAULT_DISTANCE;
-  if (runControl.watch) return pairs(shownSample(runControl)?.room?.report ?? null, kept);
+  const { room } = shownSample(runControl) ?? {};
+  if (room || runControl.watch) return pairs(room?.report ?? null, kept);
   clearance ??= new Clearance(() => runControl.onChange());
   const measured = position.length > 0 ? clearance.of(controller, position) : null;
   const found = pairs(measured?.report ?? null, kept);

@@ -12,10 +12,8 @@ export type Simulation = Schemas['Simulation'];
 export type SimulationControl = Schemas['SimulationControl'];
 export type SimulationRequest = Schemas['SimulationRequest'];
 export type LiveFrame = Schemas['LiveFrame'];
-/** Collisions of an answer and the obstacles of its state; known for watched sessions. */
-export type SampleRoom = { report: CollisionReport | null; obstacles: ObstacleState[] };
 /** `why`: sentences of the answer, if the controller of the session asks for them. */
-export type LiveSample = Schemas['LiveSample'] & { room?: SampleRoom; why?: string[] };
+export type LiveSample = Schemas['LiveSample'] & { why?: string[] };
 export type ArmView = Schemas['ArmView'];
 export type TimeHistogram = Schemas['TimeHistogram'];
 export type PathCounts = Schemas['PathCounts'];

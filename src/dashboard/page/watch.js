@@ -112,7 +112,7 @@ export class Watch {
       answered: true,
       channels: answer.channels,
       ...(answer.why && { why: answer.why }),
-      room: { report: answer.collisions ?? null, obstacles: state.obstacles ?? [] },
+      ...(answer.collisions && { room: { report: answer.collisions, obstacles: state.obstacles ?? [] } }),
     };
   }
 

@@ -53,6 +53,7 @@ pub fn metrics_answer(metrics: &Metrics) -> wire::SimulationMetrics {
         first_contact_s: finite(metrics.first_contact_s),
         contacts: metrics.contacts,
         largest_joint_speed_rad_s: finite(Some(metrics.max_joint_speed)),
+        least_distance_m: finite(metrics.least_distance_m),
         calls_per_second: finite(metrics.calls_per_second),
     }
 }

@@ -82,6 +82,9 @@ const STATE_ANSWER: &str = include_str!("../../../api/examples/answers/state.jso
 /// Example of a frame of an interactive simulation.
 const LIVE_FRAME: &str = include_str!("../../../api/examples/answers/live_frame.json");
 
+/// Answer to a step of an arm beside an obstacle.
+const STEP_IN_A_ROOM: &str = include_str!("../../../api/examples/answers/step_room.json");
+
 /// Adds the examples to their operations. Adds to each field its first value in an example.
 pub fn complete(document: &mut Value) {
     // No step of the examples has jerk limits that bind. The derive has no example for a field that is an object or null.
@@ -95,6 +98,9 @@ pub fn complete(document: &mut Value) {
         "is_above": false
     }]]);
     document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
+    let report = &parsed(STEP_IN_A_ROOM)["collisions"];
+    document["components"]["schemas"]["LiveRoom"]["properties"]["report"]["examples"] = json!([report]);
+    document["components"]["schemas"]["LiveSample"]["properties"]["room"]["examples"] = json!([{"report": report, "obstacles": [{"name": "ball", "position": [0.3, 1.0, 0.5], "velocity": [0.0, 0.1, 0.0]}]}]);
     for schema in ["ContactReport", "ContactMemory"] {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
         document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);

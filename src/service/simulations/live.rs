@@ -159,7 +159,7 @@ impl<'a> Camera<'a> {
 
     /// Records a period with this external force on the tool, N.
     pub fn record(&mut self, done: u64, period: &Observed, external_force: [f64; 3]) {
-        let Observed { sample, answer, round_trip, cycle } = period;
+        let Observed { sample, answer, round_trip, cycle, .. } = period;
         self.now.cycle = cycle.map(|cycle| Arc::new(cycle.request()));
         count_path(&mut self.now.paths, sample.path);
         count_time(&mut self.now.solve_time, answer.elapsed_us);
@@ -222,7 +222,7 @@ fn count_time(histogram: &mut wire::TimeHistogram, micros: f64) {
 
 /// Returns the sample of a period. It includes the active limits of the `earlier` periods of the same sample.
 fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wire::LiveSample>) -> wire::LiveSample {
-    let Observed { sample, answer, round_trip, .. } = period;
+    let Observed { sample, obstacles, answer, round_trip, .. } = period;
     let list = |values: &[f64]| values.iter().map(|&value| single(value)).collect();
     let at = |side: wire::Side, earlier: Option<&Vec<usize>>| {
         let index = |name: &String| config.robot.joints().iter().position(|joint| joint.name == *name);
@@ -260,6 +260,7 @@ fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wi
         round_trip_us: single(round_trip.as_secs_f64() * 1e6),
         answered: sample.answered,
         channels: answer.channels.iter().map(|(name, value)| (name.clone(), single(*value))).collect(),
+        room: answer.collisions.clone().map(|report| wire::LiveRoom { report, obstacles: obstacles.to_vec() }),
     }
 }
 

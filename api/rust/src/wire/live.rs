@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Controller, Method, Path, Pose, Simulation, Solver, State, Status, StepAnswer, StreamedTarget, integer, object,
+    CollisionReport, Controller, Method, ObstacleState, Path, Pose, Simulation, Solver, State, Status, StepAnswer,
+    StreamedTarget, integer, object,
 };
 
 /// `POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
@@ -181,6 +182,18 @@ pub struct LiveSample {
     #[schema(example = json!({"gripper": 0.031}))]
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub channels: BTreeMap<String, f32>,
+    /// The room around the arm; absent without collision avoidance, and before the first answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub room: Option<LiveRoom>,
+}
+
+/// The room around an arm in one control period.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LiveRoom {
+    /// Distances of the answer.
+    pub report: CollisionReport,
+    /// Where the moving obstacles are.
+    pub obstacles: Vec<ObstacleState>,
 }
 
 /// One control period of a session, as `GET /v1/controllers/{id}/watch` shows it.

@@ -87,6 +87,9 @@ pub struct SimulationMetrics {
     pub contacts: usize,
     /// Maximum joint speed, rad/s.
     pub largest_joint_speed_rad_s: Option<f64>,
+    /// Least distance of the pairs of shapes that the controller watches, m; `null` without such a pair.
+    #[serde(default)]
+    pub least_distance_m: Option<f64>,
     /// Control periods per second of real time.
     pub calls_per_second: Option<f64>,
 }

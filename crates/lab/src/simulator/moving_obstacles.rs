@@ -8,6 +8,12 @@ use utoipa::ToSchema;
 use super::field_error::FieldError;
 use super::profile::profile;
 
+/// Largest coordinate of an obstacle that a controller accepts in a state, m.
+const MAX_DISTANCE_M: f64 = 1e3;
+
+/// Largest speed of an obstacle along each axis that a controller accepts in a state, m/s.
+const MAX_SPEED_M_S: f64 = 100.0;
+
 /// How an obstacle of the controller moves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -45,7 +51,9 @@ impl MovingObstacles {
             if moving.displacement.is_some() {
                 return Err(FieldError::new(at("name"), "names an obstacle that has another motion"));
             }
-            moving.displacement = Some(profile(&motion.displacement, 3, &at("displacement"))?);
+            let displacement = profile(&motion.displacement, 3, &at("displacement"))?;
+            moving.check(&displacement, &at("displacement"))?;
+            moving.displacement = Some(displacement);
         }
         Ok(Self(all))
     }
@@ -68,6 +76,16 @@ impl MovingObstacles {
 }
 
 impl MovingObstacle {
+    /// Checks that the service accepts the obstacle at all times.
+    fn check(&self, displacement: &Profile, pointer: &str) -> Result<(), FieldError> {
+        let middle = middle(&self.obstacle);
+        let [way, rate] = displacement.bounds();
+        let is_near = (0..3).all(|axis| middle[axis].abs() + way[axis] <= MAX_DISTANCE_M);
+        let is_slow = rate.iter().all(|rate| *rate <= MAX_SPEED_M_S);
+        let problem = "must keep the obstacle within 1000 m of the base and its speed at 100 m/s or less, on each axis";
+        if is_near && is_slow { Ok(()) } else { Err(FieldError::new(pointer, problem)) }
+    }
+
     /// Returns displacement and velocity, m and m/s.
     fn motion(&self, time_s: f64) -> [[f64; 3]; 2] {
         let point = self.displacement.as_ref().map(|displacement| displacement.at(time_s));

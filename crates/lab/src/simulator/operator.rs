@@ -34,6 +34,8 @@ pub enum Ending {
 pub struct Observed<'a> {
     /// The recorded sample.
     pub sample: &'a Sample,
+    /// Where the moving obstacles are.
+    pub obstacles: &'a [wire::ObstacleState],
     /// The answer that the arm executed.
     pub answer: &'a wire::StepAnswer,
     /// Real time between state and answer.

@@ -14,7 +14,7 @@ use super::drive_limits::DriveLimits;
 use super::environment::Environment;
 use super::moving_obstacles::MovingObstacles;
 use super::profile::external_wrench;
-use super::recording::{AtLimit, Energy, Sample};
+use super::recording::{Energy, Sample};
 use super::run_error::RunError;
 use super::scenario::Scenario;
 use super::sensors::{Sensed, Sensing};
@@ -161,7 +161,6 @@ impl Plant {
         Sample {
             time_s,
             joint_position: self.arm.position().to_vec(),
-            joint_velocity: answer.joint_velocity.clone(),
             actual_velocity: self.arm.velocity().to_vec(),
             position,
             orientation: [orientation.w, orientation.i, orientation.j, orientation.k],
@@ -170,20 +169,13 @@ impl Plant {
             torque: measured.torque,
             external_force: measured.external_force,
             sensed: (!self.measurement_is_recorded_state()).then(|| Box::new(measured.sensed)),
-            target_force: target_force(tasks, answer),
             wall_distance: self.environment.wall_distance(),
-            path: answer.solver.path,
-            status: answer.solver.status,
-            kkt_residual: answer.solver.kkt_residual,
-            smallest_singular_value: answer.singularity.smallest_singular_value,
-            manipulability: answer.singularity.manipulability,
-            residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
-            channels: answer.channels.values().copied().map(Some).collect(),
-            limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: held.is_new,
             answer_age: period.saturating_sub(answer.sequence),
+            ..Sample::at_rest()
         }
+        .answered(tasks, answer, &self.joint_names)
     }
 }
 
@@ -216,21 +208,4 @@ impl Measured {
             targets: BTreeMap::new(),
         }
     }
-}
-
-/// Returns F_d on x, y and z from the answers of the tasks that control these axes.
-pub fn target_force(tasks: &[wire::ControllerTask], answer: &wire::StepAnswer) -> [Option<f64>; 3] {
-    let mut target = [None; 3];
-    for (task, outcome) in tasks.iter().zip(&answer.tasks) {
-        // In other frames, the target force is not along x, y or z of the base.
-        if task.frame != wire::Frame::Base {
-            continue;
-        }
-        for (axis, &force) in task.axes.iter().flatten().zip(outcome.target_force.iter().flatten()) {
-            if let Some(slot) = target.get_mut(*axis as usize) {
-                *slot = force;
-            }
-        }
-    }
-    target
 }

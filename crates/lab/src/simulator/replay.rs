@@ -8,8 +8,7 @@ use revprio_api::wire;
 
 use super::caller::{CallMode, Caller};
 use super::moving_obstacles::MovingObstacles;
-use super::plant::target_force;
-use super::recording::{AtLimit, Recording, Sample, Sensed, TableLayout, Value};
+use super::recording::{Recording, Sample, Sensed, TableLayout, Value};
 use super::run_error::RunError;
 
 /// Why a recording cannot be replayed.
@@ -81,7 +80,7 @@ pub fn replay(
         } else {
             let state = wire::State { obstacles: obstacles.states(time_s), ..state(period, sample) };
             let answer = caller.call(state).map_err(refused(time_s))?;
-            again.samples.push(answered(sample, &controller.tasks, &answer, &recording.joint_names));
+            again.samples.push(sample.clone().answered(&controller.tasks, &answer, &recording.joint_names));
         }
         let age = usize::try_from(sample.answer_age).ok().and_then(|age| period.checked_sub(age));
         if let (true, Some(asked)) = (sample.answered, age) {
@@ -149,27 +148,5 @@ fn state(period: usize, sample: &Sample) -> wire::State {
         wrench: Some(wire::Wrench { force: sensed.force, torque: sensed.torque }),
         targets: BTreeMap::new(),
         channels: BTreeMap::new(),
-    }
-}
-
-/// Returns the sample with the values of another answer.
-fn answered(
-    sample: &Sample,
-    tasks: &[wire::ControllerTask],
-    answer: &wire::StepAnswer,
-    joint_names: &[String],
-) -> Sample {
-    Sample {
-        joint_velocity: answer.joint_velocity.clone(),
-        target_force: target_force(tasks, answer),
-        path: answer.solver.path,
-        status: answer.solver.status,
-        kkt_residual: answer.solver.kkt_residual,
-        smallest_singular_value: answer.singularity.smallest_singular_value,
-        manipulability: answer.singularity.manipulability,
-        residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
-        channels: answer.channels.values().copied().map(Some).collect(),
-        limits: AtLimit::of(answer, joint_names),
-        ..sample.clone()
     }
 }

@@ -90,13 +90,15 @@ fn drive(
         }
         let measured = plant.measure(time_s, external_force);
         let state = wire::State { targets, ..measured.state(period, time_s) };
+        let obstacles = state.obstacles.clone();
         let (held, cycle, round_trip) = conversation.next(state, || unit(operator.goes_on()))?;
         if held.is_new {
             clarabel.add(&held.answer.solver.levels);
         }
         let sample = plant.sample(period, time_s, measured, held, &scenario.controller.tasks);
         plant.advance(&held.answer.joint_velocity, time_s)?;
-        operator.see(period + 1, &Observed { sample: &sample, answer: &held.answer, round_trip, cycle });
+        let observed = Observed { sample: &sample, obstacles: &obstacles, answer: &held.answer, round_trip, cycle };
+        operator.see(period + 1, &observed);
         samples.push(sample);
         timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: held.answer.elapsed_us });
         match operator.goes_on() {

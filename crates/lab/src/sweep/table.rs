@@ -12,7 +12,7 @@ use crate::simulator::recording::{Kind, Recording, Value};
 type Measure = (&'static str, fn(&Metrics, &Recording) -> Option<f64>);
 
 /// All measures of a finished run.
-pub const MEASURES: [Measure; 16] = [
+pub const MEASURES: [Measure; 17] = [
     ("rmse_force_x_n", |metrics, _| metrics.rmse_fx),
     ("rmse_force_y_n", |metrics, _| metrics.rmse_fy),
     ("overshoot_n", |metrics, _| metrics.overshoot.map(|overshoot| overshoot.newton)),
@@ -23,6 +23,7 @@ pub const MEASURES: [Measure; 16] = [
     ("first_contact_s", |metrics, _| metrics.first_contact_s),
     ("contacts", |metrics, _| Some(metrics.contacts as f64)),
     ("largest_joint_speed_rad_s", |metrics, _| Some(metrics.max_joint_speed)),
+    ("least_distance_m", |metrics, _| metrics.least_distance_m),
     ("periods", |_, recording| Some(recording.samples.len() as f64)),
     ("periods_closed_form", |metrics, _| Some(periods(metrics, wire::Path::ClosedForm))),
     ("periods_active_set", |metrics, _| Some(periods(metrics, wire::Path::ActiveSet))),

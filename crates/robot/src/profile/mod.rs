@@ -146,6 +146,23 @@ impl Profile {
         }
     }
 
+    /// Returns bounds of |value| and of |rate| at all times, m entries each. They are exact, except that a curve through
+    /// waypoints may stay below its bounds.
+    pub fn bounds(&self) -> [Entries; 2] {
+        let sizes = |entries: Entries| entries.iter().map(|entry| entry.abs()).collect();
+        let value = |profile: &Self| sizes(profile.largest());
+        match &self.0 {
+            Shape::Constant(_) | Shape::Steps(_) => [value(self), Entries::from_elem(0.0, self.rows())],
+            Shape::Sine { amplitude, angular_frequency, .. } => {
+                [value(self), amplitude.iter().map(|a| (a * angular_frequency).abs()).collect()]
+            }
+            Shape::Ramp { start, end, duration, .. } => {
+                [value(self), (end - start).iter().map(|change| change.abs() / duration).collect()]
+            }
+            Shape::Waypoints(spline) => spline.bounds(),
+        }
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {
@@ -260,6 +277,28 @@ mod tests {
         let found: Vec<_> = [constant, sine, ramp, waypoints()].iter().map(Profile::largest).collect();
         let expected = [[-3.0, 0.0], [-5.0, 5.0], [-2.0, -4.0], [3.0, -6.0]];
         assert!(found.iter().zip(&expected).all(|(found, expected)| found[..] == expected[..]), "{found:?}");
+    }
+
+    #[test]
+    fn no_value_and_no_rate_is_beyond_its_bound() {
+        let sine = Profile::sine(vec![-3.0, 1.0], vec![2.0, -4.0], 1.5, 0.0).unwrap();
+        let ramp = Profile::ramp(vec![1.0, -4.0], vec![-2.0, 3.0], 0.3, 1.0).unwrap();
+        let steps = Profile::steps(points(&POINTS)).unwrap();
+        for profile in [Profile::constant(vec![-3.0, 0.0]).unwrap(), sine, ramp, steps, waypoints()] {
+            let [value, rate] = profile.bounds();
+            let mut reached = [vec![0.0_f64; 2], vec![0.0; 2]];
+            for point in (0..5000).map(|i| profile.at(1e-3 * f64::from(i))) {
+                for row in 0..2 {
+                    reached[0][row] = reached[0][row].max(point.value[row].abs());
+                    reached[1][row] = reached[1][row].max(point.rate[row].abs());
+                }
+            }
+            for (reached, bound) in reached.iter().flatten().zip(value.iter().chain(&rate)) {
+                let is_near =
+                    *reached > 0.99 * bound || matches!(profile.0, Shape::Waypoints(_)) && *reached > 0.4 * bound;
+                assert!(*reached <= bound + 1e-12 && is_near || *bound == 0.0, "{profile:?}: {reached} of {bound}");
+            }
+        }
     }
 
     #[test]

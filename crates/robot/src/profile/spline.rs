@@ -53,6 +53,14 @@ impl Spline {
         self.knots.iter().map(|knot| &knot.point.value[..])
     }
 
+    /// Returns bounds of |value| and |rate| at all times, m entries each.
+    pub fn bounds(&self) -> [Entries; 2] {
+        let first = &self.knots[0].point;
+        let still = [first.value.iter().map(|entry| entry.abs()).collect(), Entries::from_elem(0.0, first.value.len())];
+        let pieces = self.knots.windows(2).map(|pair| bounds(&pair[0], &pair[1]));
+        pieces.fold(still, |[value, rate], piece| [larger(&value, &piece[0]), larger(&rate, &piece[1])])
+    }
+
     /// Returns value and derivatives at time t, s.
     pub fn at(&self, time_s: f64) -> SetPoint {
         let next = self.knots.partition_point(|knot| knot.time <= time_s);
@@ -62,6 +70,31 @@ impl Spline {
             (None, _) => self.knots[0].point.clone(),
         }
     }
+}
+
+fn larger(a: &Entries, b: &Entries) -> Entries {
+    a.iter().zip(b).map(|(a, b)| a.max(*b)).collect()
+}
+
+/// Returns bounds of |value| and |rate| of the quintic between two knots, m entries each.
+///
+/// A quintic lies in the convex hull of its six Bézier points, and its rate in that of five times their differences over
+/// the time between the knots. The points follow from value, rate and acceleration at both ends.
+fn bounds(a: &Knot, b: &Knot) -> [Entries; 2] {
+    let h = b.time - a.time;
+    let row = |row: usize| {
+        let near = |knot: &Knot, h: f64| {
+            let (p, v, w) = (knot.point.value[row], knot.point.rate[row] * h, knot.point.acceleration[row] * h * h);
+            [p, p + v / 5.0, p + v * 0.4 + w / 20.0]
+        };
+        let ([p0, p1, p2], [p5, p4, p3]) = (near(a, h), near(b, -h));
+        let points = [p0, p1, p2, p3, p4, p5];
+        let value = points.iter().fold(0.0_f64, |most, point| most.max(point.abs()));
+        let rate = points.windows(2).fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs()));
+        (value, rate * 5.0 / h)
+    };
+    let (value, rate) = (0..a.point.value.len()).map(row).unzip();
+    [value, rate]
 }
 
 /// Computes the rates v_i at the points of the cubic spline that rests at both ends.

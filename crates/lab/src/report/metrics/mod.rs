@@ -67,6 +67,8 @@ pub struct Metrics {
     pub contacts: usize,
     /// Largest `|q̇_i|` of any joint (rad/s).
     pub max_joint_speed: f64,
+    /// Least distance of the watched pairs of shapes (m); `None` if no pair is watched.
+    pub least_distance_m: Option<f64>,
     /// Residuals of the tasks, highest priority first.
     pub residuals: Vec<Residual>,
     /// Control periods per second of real time; `None` if the run took no measurable time.
@@ -106,6 +108,7 @@ impl Metrics {
             first_contact_s: touched.first().map(|s| s.time_s),
             contacts: contacts(samples),
             max_joint_speed: max_joint_speed(samples),
+            least_distance_m: samples.iter().filter_map(|s| s.least_distance).reduce(f64::min),
             residuals: residuals(samples),
             calls_per_second: calls_per_second(recording),
             paths: counts(answered.clone().map(|s| s.path)),

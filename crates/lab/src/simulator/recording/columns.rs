@@ -24,6 +24,8 @@ pub struct TableLayout<'a> {
     pub tasks: usize,
     /// Number of channels.
     pub channels: usize,
+    /// Whether the controller watches distances.
+    pub watched: bool,
     /// Whether the controller received other values than the true state.
     pub sensed: bool,
     /// Whether real times are included.
@@ -38,6 +40,7 @@ impl<'a> TableLayout<'a> {
             joints: &recording.joint_names,
             tasks: first.map_or(0, |sample| sample.residual_norms.len()),
             channels: recording.samples.last().map_or(0, |sample| sample.channels.len()),
+            watched: recording.watches_distances(),
             sensed: first.is_some_and(|sample| sample.sensed.is_some()),
             timed,
         }
@@ -50,6 +53,7 @@ impl<'a> TableLayout<'a> {
             joints,
             tasks: count("residual_task_"),
             channels: count("channel_"),
+            watched: count("least_distance") > 0,
             sensed: count("sensed_") > 0,
             timed: count("round_trip_us") > 0,
         }
@@ -64,6 +68,7 @@ impl<'a> TableLayout<'a> {
     pub fn columns(&self) -> Vec<Column> {
         let shown = |quantity: &&Quantity| match quantity.presence {
             Presence::Always => true,
+            Presence::Watched => self.watched,
             Presence::Sensed => self.sensed,
             Presence::Timed => self.timed,
         };

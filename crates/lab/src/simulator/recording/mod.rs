@@ -5,6 +5,7 @@
 //!           └→ samples as JSON ────────────→ JSON lines, MCAP ──┴→ read: the same Recording, to the last bit
 //! ```
 
+mod answered;
 mod cell;
 mod clarabel_levels;
 mod columns;
@@ -125,6 +126,9 @@ pub struct Sample {
     /// Commands of the channels, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<Option<f64>>,
+    /// Least distance of the watched pairs of shapes, m; `None` without them.
+    #[serde(rename = "least_distance_m", default, skip_serializing_if = "Option::is_none")]
+    pub least_distance: Option<f64>,
     /// Relation of each joint velocity to its limits, n.
     pub limits: Vec<AtLimit>,
     /// Energy of the contacts so far.
@@ -182,6 +186,12 @@ impl Recording {
     /// Returns the file name of the recording in a format.
     pub fn trace_name(&self, format: Format) -> String {
         format!("{}.{}", self.label(), format.ending())
+    }
+
+    /// Returns whether the controller watches distances.
+    fn watches_distances(&self) -> bool {
+        let is_stated = self.setup.as_ref().is_some_and(|setup| setup.controller.collisions.is_some());
+        is_stated || self.samples.first().is_some_and(|sample| sample.least_distance.is_some())
     }
 
     fn push(&mut self, sample: Sample, timing: Timing, timed: bool) {
@@ -259,6 +269,7 @@ impl Sample {
             manipulability: 0.1,
             residual_norms: Vec::new(),
             channels: Vec::new(),
+            least_distance: None,
             limits: Vec::new(),
             energy: Energy::default(),
             answered: true,

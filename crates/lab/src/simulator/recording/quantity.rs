@@ -40,6 +40,8 @@ pub enum Kind {
 pub enum Presence {
     /// All recordings.
     Always,
+    /// Recordings whose controller watches distances.
+    Watched,
     /// Recordings whose controller received other values than the true state.
     Sensed,
     /// Recordings with real times.
@@ -72,7 +74,7 @@ impl Quantity {
 }
 
 /// Names of the quantities that come from the answer of the service.
-const ANSWERED: [&str; 10] = [
+const ANSWERED: [&str; 11] = [
     "velocity",
     "target_force",
     "path",
@@ -83,6 +85,7 @@ const ANSWERED: [&str; 10] = [
     "residual_task",
     "channel",
     "limit",
+    "least_distance",
 ];
 
 /// One line per quantity: name, unit, index, kind, field and description. The field belongs to the sample, to the received
@@ -108,18 +111,21 @@ macro_rules! quantities {
         }),+]
     };
     (@presence sample) => { Presence::Always };
+    (@presence watched) => { Presence::Watched };
     (@presence sensed) => { Presence::Sensed };
     (@presence timing) => { Presence::Timed };
     (@owner sample $sample:ident $timing:ident $by:ident) => { Some($sample) };
+    (@owner watched $sample:ident $timing:ident $by:ident) => { Some($sample) };
     (@owner sensed $sample:ident $timing:ident $by:ident) => { $sample.sensed.$by() };
     (@owner timing $sample:ident $timing:ident $by:ident) => { Some($timing) };
     (@owner_mut sample $sample:ident $timing:ident) => { Some($sample) };
+    (@owner_mut watched $sample:ident $timing:ident) => { Some($sample) };
     (@owner_mut sensed $sample:ident $timing:ident) => { $sample.sensed.as_deref_mut() };
     (@owner_mut timing $sample:ident $timing:ident) => { Some($timing) };
 }
 
 /// All quantities, in the order of their columns. To add one, add a field to [`Sample`] and a line here.
-pub static QUANTITIES: [Quantity; 31] = quantities! {
+pub static QUANTITIES: [Quantity; 32] = quantities! {
     "time" "s" Period Number sample.time_s "simulated time";
     "position" "rad" Joint Number sample.joint_position "joint position q; m for a prismatic joint";
     "velocity" "rad_s" Joint Number sample.joint_velocity "commanded joint velocity q̇; m/s for a prismatic joint";
@@ -128,6 +134,7 @@ pub static QUANTITIES: [Quantity; 31] = quantities! {
     "force" "n" Axis Number sample.force "force F_e of the tool on the environment, base axes";
     "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled";
     "wall_distance" "m" Period OptionalNumber sample.wall_distance "distance to the nearest wall, negative in contact; empty without a wall";
+    "least_distance" "m" Period OptionalNumber watched.least_distance "least distance of the pairs of shapes that the controller watches; empty without a pair";
     "path" "" Period Word sample.path "solution path of the command: `closed_form`, `active_set`, `qp`, …";
     "status" "" Period Word sample.status "status of the command: `optimal`, or the reason why it is not";
     "kkt_residual" "" Period OptionalNumber sample.kkt_residual "residual of the optimality conditions";
