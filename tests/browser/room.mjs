@@ -179,3 +179,23 @@ test('obstacles are added, typed, dragged and removed, and the arm keeps clear o
   await page.waitForFunction(() => document.querySelectorAll('#obstacles li').length === 0);
   await waitForScene(page, /^(?!.*nearest)/);
 }));
+
+test('a run shows the distances of its answers, and a ball that moves where it is', options, () => withPage('', async (page) => {
+  await page.route('**/v1/scenarios', async (route) => {
+    const list = await (await route.fetch()).json();
+    const { scenario } = list.scenarios.find((entry) => entry.scenario.name === 'stiff_wall');
+    const ball = { name: 'ball', sphere: { center: [-0.145, 0.1, 0.69], radius: 0.05 }, moves: true };
+    const displacement = { kind: 'ramp', start: [0, 0, 0], end: [0, -0.5, 0], start_time_s: 0, duration_s: 4 };
+    Object.assign(scenario.controller, { robot: 'sawyer', collisions: { obstacles: [ball] } });
+    scenario.obstacle_motions = [{ name: 'ball', displacement }];
+    await route.fulfill({ json: list });
+  });
+  await page.goto(`${service.url}/#scenario=stiff_wall`);
+  await page.reload();
+  await waitForState(page, 'connection', 'ready');
+  await page.click('#go');
+  await waitForClock(page, 0.1);
+  await waitForScene(page, /nearest \S+ – right_l4: \d+ mm/);
+  // It was half a metre away from all links.
+  await waitForScene(page, /nearest \S+ – ball: \d+ mm/);
+}));
