@@ -101,7 +101,8 @@ fn own_robots_are_served_with_the_built_in_ones() {
     let robots = answer.split_once("\r\n\r\n").unwrap().1;
     let robots: Value = serde_json::from_str(robots).unwrap();
     let names: Vec<&str> = robots["robots"].as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "mine", "rows"]);
+    let built_in = ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "so101", "fr3", "xarm7", "iiwa14", "gen3"];
+    assert_eq!(names, [&built_in[..], &["mine", "rows"]].concat());
 }
 
 #[test]

@@ -216,10 +216,18 @@ fn every_built_in_arm_has_a_source_and_moves() {
         ("ur5e", "urdf", 6),
         ("panda", "urdf", 7),
         ("planar_3r", "urdf", 3),
+        ("so101", "urdf", 5),
+        ("fr3", "urdf", 7),
+        ("xarm7", "urdf", 7),
+        ("iiwa14", "urdf", 7),
+        ("gen3", "urdf", 7),
     ] {
         let robot = service.get(&format!("/v1/robots/{name}")).accepted();
         assert_eq!((robot["source"].as_str(), robot["joints"].as_array().unwrap().len()), (Some(source), joints));
-        let middle = |joint: &Value| numbers(&joint["position_limit"]).iter().sum::<f64>() / 2.0 + 0.3;
+        // A joint that turns without end has none.
+        let end = |end: &Value| end.as_f64().unwrap_or_default();
+        let middle =
+            |joint: &Value| 0.3 + 0.5 * joint["position_limit"].as_array().unwrap().iter().map(end).sum::<f64>();
         let posture: Vec<f64> = robot["joints"].as_array().unwrap().iter().map(middle).collect();
         let answer = service.call(
             "/v1/resolve",

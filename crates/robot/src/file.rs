@@ -89,7 +89,7 @@ macro_rules! urdf {
 const SAWYER_DH: &str = include_str!("../robots/sawyer_dh.toml");
 
 /// URDF text and description of each robot.
-const URDF: [(&str, &str); 4] = [
+const URDF: [(&str, &str); 9] = [
     urdf!(
         "sawyer",
         "Sawyer, 7 joints, joint positions and limits of the manufacturer's description; base and tool frame are those \
@@ -98,9 +98,24 @@ const URDF: [(&str, &str); 4] = [
     urdf!("ur5e", "UR5e-like, 6 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
     urdf!("panda", "Panda-like, 7 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
     urdf!("planar_3r", "three links of 0.5, 0.4 and 0.3 m in the horizontal plane, redundant for positions in it"),
+    urdf!(
+        "so101",
+        "SO-101-like, 5 joints, dimensions of the makers, tool between the jaws; the gripper is no joint: give it a channel"
+    ),
+    urdf!(
+        "fr3",
+        "Franka Research 3-like, 7 joints, Denavit-Hartenberg parameters and limits of the manufacturer, tool at the flange"
+    ),
+    urdf!("xarm7", "xArm 7-like, 7 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
+    urdf!("iiwa14", "LBR iiwa 14 R820-like, 7 joints, dimensions of the data sheet, tool at the flange"),
+    urdf!(
+        "gen3",
+        "Kinova Gen3-like, 7 joints of which 4 turn without end, dimensions of the manufacturer, tool at the interface"
+    ),
 ];
 
-/// Returns the robots that ship with the crate: `sawyer_dh`, `sawyer`, `ur5e`, `panda`, `planar_3r`, in this order.
+/// Returns the robots that ship with the crate: `sawyer_dh`, `sawyer`, `ur5e`, `panda`, `planar_3r`, `so101`, `fr3`,
+/// `xarm7`, `iiwa14`, `gen3`, in this order.
 pub fn built_in() -> &'static [Arc<RobotModel>] {
     static ROBOTS: LazyLock<Vec<Arc<RobotModel>>> = LazyLock::new(|| {
         const VALID: &str = "the tests read every built-in robot";

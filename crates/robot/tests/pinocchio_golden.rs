@@ -114,7 +114,16 @@ fn every_built_in_robot_has_all_limits_and_a_unique_name() {
         assert!(built_in()[..i].iter().all(|other| other.name() != robot.name()));
         for joint in robot.joints() {
             let limits = joint.limits;
-            let all = [limits.lower, limits.upper, limits.velocity, limits.acceleration];
+            let turns_without_end =
+                robot.name() == "gen3" && ["joint_1", "joint_3", "joint_5", "joint_7"].contains(&joint.name.as_str());
+            let range = [limits.lower, limits.upper];
+            assert!(
+                range.iter().all(|limit| limit.is_finite() != turns_without_end),
+                "{} {}",
+                robot.name(),
+                joint.name
+            );
+            let all = [limits.velocity, limits.acceleration];
             assert!(all.iter().all(|limit| limit.is_finite()), "{} {}", robot.name(), joint.name);
         }
     }

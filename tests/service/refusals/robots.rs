@@ -91,7 +91,7 @@ fn the_error_for_a_branching_tree_lists_its_leaves() {
 #[test]
 fn built_in_robots_cannot_be_deleted() {
     let service = Service::start();
-    for name in ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r"] {
+    for name in ["sawyer_dh", "sawyer", "ur5e", "panda", "planar_3r", "so101", "fr3", "xarm7", "iiwa14", "gen3"] {
         service.delete(&format!("/v1/robots/{name}")).assert_refused(403, None);
         service.get(&format!("/v1/robots/{name}")).accepted();
     }

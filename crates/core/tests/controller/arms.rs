@@ -22,6 +22,12 @@ pub fn sawyer() -> Arc<RobotModel> {
     Arc::clone(&built_in()[0])
 }
 
+/// Returns the built-in arms whose joints all have a position range.
+pub fn ranged_arms() -> Vec<Arc<RobotModel>> {
+    let has_ranges = |robot: &&Arc<RobotModel>| robot.joints().iter().all(|joint| joint.limits.upper.is_finite());
+    built_in().iter().filter(has_ranges).cloned().collect()
+}
+
 /// Returns the same robot with jerk limits; `rise`: the time in which the acceleration may rise from 0 to its limit, s.
 pub fn with_jerk(robot: &RobotModel, rise: f64) -> RobotModel {
     let limited = |joint: &Joint| {

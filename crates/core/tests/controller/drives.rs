@@ -8,10 +8,10 @@ use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement
 use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
+use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Axis, Configuration};
-use revprio_robot::{RobotModel, built_in};
 
-use super::arms::{NOMINAL, Random, constant, controller, position, sawyer, task, tool_rows};
+use super::arms::{NOMINAL, Random, constant, controller, position, ranged_arms, sawyer, task, tool_rows};
 use super::hold::middle;
 
 /// Bounds of the claim: distance outside, swing at rest (rad, plus 10 times the noise), command at rest (RMS, rad/s).
@@ -163,12 +163,12 @@ fn stated_as(drive: Drive) -> impl Iterator<Item = (Drive, LimitKind)> {
 #[test]
 fn joints_approach_their_limits_and_rest_there_behind_every_drive() {
     let [mut without_noise, mut with_noise] = [Calm::default(), Calm::default()];
-    let mut runs = 0;
+    let (mut runs, arms) = (0, ranged_arms());
     for (drive, period) in drives().flat_map(|drive| [0.001, 0.004, 0.01].map(|period| (drive, period))) {
         for (stated, kind) in stated_as(drive) {
             for (worst, noise) in [(&mut without_noise, 0.0), (&mut with_noise, NOISE)] {
                 runs += 1;
-                let robot = &built_in()[runs % built_in().len()];
+                let robot = &arms[runs % arms.len()];
                 let joint = runs % robot.joint_count();
                 let limits = robot.joints()[joint].limits;
                 let (end, outwards) = if runs % 3 == 0 { (limits.lower, -1.0) } else { (limits.upper, 1.0) };
@@ -190,11 +190,12 @@ fn joints_approach_their_limits_and_rest_there_behind_every_drive() {
 #[test]
 fn jumping_targets_do_not_drive_a_joint_out_of_its_range() {
     let (mut overshoot, mut conflicts, mut near) = ([f64::NEG_INFINITY; 2], [0; 2], 0);
+    let arms = ranged_arms();
     for (number, drive) in drives().enumerate() {
         for (period, kind) in [0.001, 0.01].into_iter().flat_map(|period| KINDS.map(|kind| (period, kind))) {
             for (which, stated) in [drive, Drive::CONSERVATIVE].into_iter().enumerate() {
                 for hold in [2, 7, 30, 80] {
-                    let robot = &built_in()[number % built_in().len()];
+                    let robot = &arms[number % arms.len()];
                     let joint = number % robot.joint_count();
                     let limits = robot.joints()[joint].limits;
                     let controllers = [limits.upper + 1.0, limits.upper - 0.05]

@@ -11,7 +11,7 @@ use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 
-use super::arms::{Loop, Random, constant, position, task, with_jerk};
+use super::arms::{Loop, Random, constant, position, ranged_arms, task, with_jerk};
 use super::braking::periods;
 use super::drives::{COMMAND, Calm, LaggingArm, NOISE, OVERSHOOT, SWING, drives, posture, run};
 use super::hold::middle;
@@ -23,7 +23,8 @@ const RISE_TIMES: [f64; 3] = [0.01, 0.05, 0.2];
 const PERIODS: [f64; 3] = [0.001, 0.004, 0.01];
 
 fn robot(number: usize) -> RobotModel {
-    with_jerk(&built_in()[number % built_in().len()], RISE_TIMES[number % RISE_TIMES.len()])
+    let arms = ranged_arms();
+    with_jerk(&arms[number % arms.len()], RISE_TIMES[number % RISE_TIMES.len()])
 }
 
 #[test]
