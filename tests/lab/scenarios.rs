@@ -215,6 +215,25 @@ fn six_joints_settle_at_a_wall_and_exact_methods_are_equal() {
     assert!(difference < 1e-9, "{difference}");
 }
 
+/// The scenarios of the arms of policies and teleoperation: the tool follows a sine to the side, behind lag and dead time.
+#[test]
+fn tools_of_other_arms_follow_a_sine_inside_all_limits() {
+    for (arm, amplitude) in [("so101", 0.05), ("fr3", 0.15), ("xarm7", 0.15), ("iiwa14", 0.15), ("gen3", 0.15)] {
+        let run = served(&scenario(&format!("examples/scenarios/{arm}_reach.toml")));
+        let distance = |s: &Sample| {
+            let [x, y, z] = s.position_error;
+            (x.powi(2) + (y - amplitude * (1.5 * s.time_s).sin()).powi(2) + z.powi(2)).sqrt()
+        };
+        let late = largest(between(&run, 1.0, 6.0), distance);
+        assert!(late < 3e-3, "{arm}: {late} m from its target");
+        assert!(largest(&run.samples, |s| s.position_error[1]) > 0.8 * amplitude, "{arm} does not move");
+        assert!(!run.samples.iter().any(exceeds_a_limit), "{arm}");
+        let opening = |s: &Sample| s.channels.first().copied().flatten().unwrap_or_default();
+        let jaws = largest(&run.samples, opening) + largest(&run.samples, |s| -opening(s));
+        assert!(if arm == "so101" { jaws > 1.0 } else { jaws == 0.0 }, "{arm}: {jaws} rad");
+    }
+}
+
 #[test]
 fn biased_sensor_shifts_the_force_and_the_seed_determines_the_run() {
     let noisy = scenario("noisy_sensors");
