@@ -5,18 +5,30 @@
 //!           └→ samples as JSON ────────────→ JSON lines, MCAP ──┴→ read: the same Recording, to the last bit
 //! ```
 
+#[cfg(feature = "files")]
 mod cell;
 mod clarabel_levels;
+#[cfg(feature = "files")]
 mod columns;
+#[cfg(feature = "files")]
 mod csv_table;
+#[cfg(feature = "files")]
 mod description;
+#[cfg(feature = "files")]
 mod error;
+#[cfg(feature = "files")]
 mod format;
+#[cfg(feature = "files")]
 mod json_lines;
+#[cfg(feature = "files")]
 mod mcap_log;
+#[cfg(feature = "files")]
 pub mod parquet_file;
+#[cfg(feature = "files")]
 mod parquet_table;
+#[cfg(feature = "files")]
 mod quantity;
+#[cfg(feature = "files")]
 mod writer;
 
 use std::fmt;
@@ -28,14 +40,22 @@ pub use super::energy::Energy;
 use super::scenario::Scenario;
 pub use super::sensors::Sensed;
 
+#[cfg(feature = "files")]
 pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
+#[cfg(feature = "files")]
 pub use columns::{Column, TableLayout};
+#[cfg(feature = "files")]
 pub use csv_table::{cell_text, cell_value};
+#[cfg(feature = "files")]
 pub use error::{ReadError, WriteError};
+#[cfg(feature = "files")]
 pub use format::{Format, read};
+#[cfg(feature = "files")]
 pub use json_lines::write_object;
+#[cfg(feature = "files")]
 pub use quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
+#[cfg(feature = "files")]
 pub use writer::Writer;
 
 /// The recording of one run of a scenario.
@@ -180,10 +200,12 @@ impl Recording {
     }
 
     /// Returns the file name of the recording in a format.
+    #[cfg(feature = "files")]
     pub fn trace_name(&self, format: Format) -> String {
         format!("{}.{}", self.label(), format.ending())
     }
 
+    #[cfg(feature = "files")]
     fn push(&mut self, sample: Sample, timing: Timing, timed: bool) {
         self.samples.push(sample);
         if timed {
@@ -220,6 +242,7 @@ impl Sample {
     }
 
     /// Returns a sample of zeros for the given number of joints, tasks and channels.
+    #[cfg(feature = "files")]
     fn zeros(joints: usize, tasks: usize, channels: usize, sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
