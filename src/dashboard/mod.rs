@@ -21,6 +21,8 @@ const FILES: &[(&str, &str)] = &files![
     "arm.js",
     "arrows.js",
     "bars.js",
+    "browser_service.js",
+    "browser_worker.js",
     "canvas_scene.js",
     "clearance.js",
     "collada.js",

@@ -130,11 +130,11 @@
 //!
 //! A module imports only modules of its own line and of the lines above it, and there are no import circles:
 //!
-//! 1. `error`, `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`, `host`: one request, without state
-//! 2. `robots`, `convert`: the registry of arms; bodies to types of the library and back
+//! 1. The crate `revprio_local`: `error`, `robots`, `convert`, `step`, `price`: bodies to controllers and back, without a server
+//! 2. `accept`, `format`, `request_id`, `token`, `tls`, `config`, `access`, `host`: one request, without state
 //! 3. `log`, `metrics`, `connection`, `admission_queue`, `drain`, `failures`, `heartbeat`, `listener`, `background`,
-//!    `platform`, `workers`, `price`, `events`: the running server
-//! 4. `sessions`, `step`, `stepper_cache`, `in_process`, `local`, `simulations`: the controllers
+//!    `platform`, `workers`, `events`: the running server
+//! 4. `sessions`, `stepper_cache`, `in_process`, `simulations`: the controllers
 //! 5. `state`: all of these together
 //! 6. `body`, `resolve`, `step_once`, `stream`, `gate`: modules that use the state
 //! 7. `handlers`, then `routes`, then `openapi`, then `app`, then `server`
@@ -145,13 +145,9 @@ mod admission_queue;
 mod app;
 mod background;
 mod body;
-mod checked_stepper;
 mod config;
 mod connection;
-mod constraint_names;
-mod convert;
 mod drain;
-mod error;
 mod events;
 mod failures;
 mod format;
@@ -162,34 +158,27 @@ mod host;
 mod in_process;
 mod interleaving;
 mod listener;
-mod local;
 mod log;
 mod metrics;
 mod openapi;
 mod ownership;
 mod platform;
-mod price;
 mod published;
 mod request_id;
-mod request_warnings;
 mod resolve;
-mod robots;
 mod routes;
 mod server;
 mod sessions;
 mod simulations;
-mod solvers;
 mod state;
-mod state_rules;
-mod step;
 mod step_once;
 mod stepper_cache;
 mod stream;
 mod tls;
 mod token;
-mod warnings;
-mod why;
 mod workers;
+
+use revprio_local::{checked_stepper, convert, error, price, robots, solvers, stateless_service, step};
 
 pub use app::{Service, router};
 pub use checked_stepper::ComputedStep;
@@ -202,10 +191,10 @@ pub use heartbeat::Supervisor;
 pub use host::is_host_name;
 pub(crate) use in_process::InProcess;
 pub use listener::{Accepted, Listener};
-pub use local::{LocalController, LocalService, Price};
 pub use log::{LogWriter, dropped_lines};
 pub use openapi::{asyncapi_document, openapi_document};
 pub use platform::{Job, JobQueue, OperatingSystem, Platform, WorkKind};
+pub use revprio_local::{LocalController, LocalService, Price};
 pub use robots::{Robots, RobotsError};
 pub use server::{RunningServer, ServeError, bind, serve, serve_on, serve_supervised};
 pub use solvers::{solver, stepper};

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 
 use uuid::Uuid;
 
-use super::background::lower_priority;
+use revprio_local::all_cores::lower_priority;
 
 /// Work for another thread.
 pub type Job = Box<dyn FnOnce() + Send>;

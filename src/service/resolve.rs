@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use revprio_api::wire::{BatchAnswer, BatchRequest, ResolveAnswer, ResolveRequest};
+use revprio_local::all_cores::map_on_all_cores;
 use tokio::time::Instant;
 
-use super::background::{Abandoned, map_on_all_cores};
+use super::background::Abandoned;
 use super::body::LargeBody;
 use super::convert::{self, ResolveProblem};
 use super::error::ApiError;

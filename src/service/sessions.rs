@@ -20,6 +20,7 @@ use super::metrics::Metrics;
 use super::ownership::{Owner, Ownership};
 use super::platform::Platform;
 use super::price;
+use super::robots::Robots;
 use super::workers::Workers;
 
 /// A step more than this many periods after the previous step counts as a missed period.
@@ -318,6 +319,16 @@ impl Sessions {
     }
 }
 
+/// Opens a session for a controller.
+pub fn open_session(
+    request: wire::Controller,
+    ownership: Ownership,
+    robots: &Robots,
+    sessions: &Sessions,
+) -> Result<wire::CreatedController, ApiError> {
+    sessions.create(PreparedController::new(request, robots)?, ownership)
+}
+
 fn parse(id: &str) -> Result<Uuid, ApiError> {
     Uuid::try_parse(id).map_err(|_| ApiError::unknown_controller(id))
 }
@@ -332,7 +343,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
     use crate::service::platform::OperatingSystem;
-    use crate::service::robots::Robots;
 
     fn sessions() -> Sessions {
         Sessions::new(2, Duration::from_mins(15), Arc::new(Metrics::new()), Arc::new(OperatingSystem))

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use revprio_local::all_cores::threads_beside_steps;
 use tokio::sync::Semaphore;
 
 use super::admission_queue::AdmissionQueue;
-use super::background::threads_beside_steps;
 use super::config::ServiceConfig;
 use super::connection::Connections;
 use super::drain::Drain;

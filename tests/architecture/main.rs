@@ -6,7 +6,7 @@ mod circles;
 mod module_graph;
 
 /// The manifest of each crate and the crates of the workspace that it may use.
-const LAYERS: [(&str, &[&str]); 10] = [
+const LAYERS: [(&str, &[&str]); 12] = [
     ("crates/robot", &[]),
     ("crates/problem", &[]),
     // Neither knows the other: two solvers that agree are two accounts of the same mathematics.
@@ -15,7 +15,10 @@ const LAYERS: [(&str, &[&str]); 10] = [
     ("api/rust", &[]),
     // Never the core: the simulator sees the service as every client does.
     ("crates/lab", &["revprio-api", "revprio-robot"]),
-    (".", &["revprio-api", "revprio-core", "revprio-lab", "revprio-reference", "revprio-robot"]),
+    // Bodies to controllers and back, without a server.
+    ("crates/local", &["revprio-api", "revprio-core", "revprio-lab", "revprio-reference", "revprio-robot"]),
+    ("crates/wasm", &["revprio-api", "revprio-lab", "revprio-local", "revprio-robot"]),
+    (".", &["revprio-api", "revprio-core", "revprio-lab", "revprio-local", "revprio-reference", "revprio-robot"]),
     ("api/python/native", &["revprio", "revprio-api"]),
     ("tools/bench", &["revprio", "revprio-api", "revprio-core", "revprio-lab", "revprio-robot"]),
     ("tools/fuzz", &["revprio", "revprio-api", "revprio-robot"]),
@@ -23,7 +26,7 @@ const LAYERS: [(&str, &[&str]); 10] = [
 
 /// Crates of others, and the only files and folders that may name them.
 const MAY_NAME: [(&str, &[&str]); 23] = [
-    ("axum", &["src/service/", "tools/bench/src/http/peers.rs"]),
+    ("axum", &["src/service/", "crates/local/src/error/answer.rs", "tools/bench/src/http/peers.rs"]),
     ("clarabel", &["crates/reference/src/clarabel.rs", "tools/bench/"]),
     ("faer", &["crates/reference/src/svd.rs", "crates/core/src/controller/stability/tests.rs", "tools/bench/"]),
     ("flate2", &["src/service/body.rs", "src/service/simulations/trace.rs", "tools/fuzz/src/corpus.rs"]),
@@ -39,10 +42,20 @@ const MAY_NAME: [(&str, &[&str]); 23] = [
     ("rayon", &["src/cli/parallel_runs.rs", "src/cli/sweep.rs"]),
     ("resvg", &["crates/lab/src/report/"]),
     ("rmp_serde", &["src/service/format/", "tools/fuzz/src/"]),
-    ("rustix", &["src/service/background.rs", "tools/bench/src/http/affinity.rs", "tools/fuzz/src/budget.rs"]),
+    ("rustix", &["crates/local/src/all_cores.rs", "tools/bench/src/http/affinity.rs", "tools/fuzz/src/budget.rs"]),
     ("sd_notify", &["src/cli/supervisor.rs"]),
     ("signal_hook", &["src/cli/supervisor.rs"]),
-    ("tokio", &["src/service/", "src/cli/serve.rs", "tools/bench/src/", "tools/fuzz/src/connection.rs"]),
+    (
+        "tokio",
+        &[
+            "src/service/",
+            "crates/local/src/clock.rs",
+            "crates/local/src/simulation/",
+            "src/cli/serve.rs",
+            "tools/bench/src/",
+            "tools/fuzz/src/connection.rs",
+        ],
+    ),
     ("tokio_rustls", &["src/service/"]),
     ("tower_http", &["src/service/"]),
     ("utoipa_axum", &["src/service/routes.rs", "src/service/app.rs", "src/service/openapi/"]),
@@ -55,13 +68,13 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
         "law",
         &["Law::Impedance", "ImpedanceLaw", "Self::Impedance"],
         "crates/core/src/law/impedance.rs",
-        &["crates/core/src/law/mod.rs", "api/rust/src/wire/law.rs", "src/service/convert/task.rs"],
+        &["crates/core/src/law/mod.rs", "api/rust/src/wire/law.rs", "crates/local/src/convert/task.rs"],
     ),
     (
         "task kind",
         &["TaskRows::Joints", "Self::Joints", "JointRows"],
         "crates/core/src/rows/joints.rs",
-        &["crates/core/src/rows/mod.rs", "src/service/convert/task.rs"],
+        &["crates/core/src/rows/mod.rs", "crates/local/src/convert/task.rs"],
     ),
     (
         "constraint",
@@ -70,20 +83,20 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
         &[
             "crates/core/src/constraint/mod.rs",
             "api/rust/src/wire/inequality.rs",
-            "src/service/convert/inequalities.rs",
+            "crates/local/src/convert/inequalities.rs",
         ],
     ),
     (
         "method",
         &["SingularityRobust"],
         "crates/core/src/resolution/plan.rs",
-        &["crates/problem/src/problem.rs", "api/rust/src/wire/enums.rs", "src/service/convert/terms.rs"],
+        &["crates/problem/src/problem.rs", "api/rust/src/wire/enums.rs", "crates/local/src/convert/terms.rs"],
     ),
     (
         "joint kind",
         &["Prismatic", "JointKind::Revolute"],
         "",
-        &["crates/robot/src/joint_kind.rs", "api/rust/src/wire/enums.rs", "src/service/convert/terms.rs"],
+        &["crates/robot/src/joint_kind.rs", "api/rust/src/wire/enums.rs", "crates/local/src/convert/terms.rs"],
     ),
 ];
 
@@ -91,13 +104,14 @@ const KINDS: [(&str, &[&str], &str, &[&str]); 5] = [
 const OTHER_ACCOUNTS: [&str; 2] = ["crates/reference/src/closed_form.rs", "crates/reference/src/step.rs"];
 
 /// Source folders of the crates that users build.
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 8] = [
     "crates/robot/src",
     "crates/problem/src",
     "crates/core/src",
     "crates/reference/src",
     "api/rust/src",
     "crates/lab/src",
+    "crates/local/src",
     "src",
 ];
 

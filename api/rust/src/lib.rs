@@ -24,6 +24,7 @@
 
 mod address;
 mod client;
+pub mod clock;
 pub mod wire;
 
 pub use client::{Client, ClientError, Service};

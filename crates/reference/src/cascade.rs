@@ -6,10 +6,11 @@
 use revprio_problem::{LevelReport, Matrix, Side, Vector};
 
 use crate::certified::{Known, level_multipliers};
-use crate::clarabel::{Clarabel, Effort, Unsolved};
+use crate::clarabel::Clarabel;
 use crate::hierarchy::{Hierarchy, Level, Solution};
 use crate::level_program::{Bounded, Decided, LevelProgram};
 use crate::polish::{CERTIFIED, LevelPoint};
+use crate::program::{Effort, Unsolved};
 use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd, UNCERTAIN_RANK};
 
 /// Relative residual of a level that is solved to rounding. Clarabel tries harder for others.

@@ -3,8 +3,8 @@
 
 use revprio_problem::{Matrix, Side, Vector};
 
-use crate::clarabel::{Effort, QpAnswer, QuadraticProgram};
 use crate::hierarchy::{Hierarchy, Level};
+use crate::program::{Effort, QpAnswer, QuadraticProgram};
 
 /// What a constraint bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -30,6 +30,7 @@ mod blend;
 mod cascade;
 mod certified;
 mod certified_formula;
+#[cfg_attr(not(feature = "clarabel"), path = "without_clarabel.rs")]
 mod clarabel;
 mod closed_form;
 mod contradiction;
@@ -38,6 +39,7 @@ mod hierarchy;
 mod level_program;
 mod plan;
 mod polish;
+mod program;
 mod qp;
 mod recorder;
 mod report;
@@ -49,3 +51,6 @@ mod targets;
 
 pub use closed_form::ClosedForm;
 pub use qp::Qp;
+
+/// Whether this build has Clarabel. Without it, [`Qp`] finds no answer.
+pub const HAS_CLARABEL: bool = cfg!(feature = "clarabel");

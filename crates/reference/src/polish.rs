@@ -3,8 +3,8 @@
 
 use revprio_problem::Vector;
 
-use crate::clarabel::QpAnswer;
 use crate::level_program::LevelProgram;
+use crate::program::QpAnswer;
 use crate::svd::{RANK_TOLERANCE, Svd, concatenate, stack};
 
 /// Relative residual of the optimality conditions up to which an answer is sure.

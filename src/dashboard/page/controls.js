@@ -9,6 +9,7 @@ import * as sessionsForm from './sessions_form.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
 import { focusMoved, gainFields, numberField, taskItems } from './tasks_form.js';
+import { isInBrowser } from './transport.js';
 import { showsForces } from './world.js';
 
 /**
@@ -178,7 +179,10 @@ const PHASES = {
 /** @type {(runControl: RunControl) => void} */
 function showState(runControl) {
   const { connection, phase, source, pending } = state.value;
-  setPill('connection', connection, CONNECTIONS[connection]);
+  const isLocal = connection === 'ready' && isInBrowser();
+  setPill('connection', connection, isLocal ? 'In this browser' : CONNECTIONS[connection]);
+  document.body.dataset.service = isLocal ? 'browser' : 'server';
+  for (const option of select('solver').options) option.disabled = isLocal && option.value === 'qp';
   setPill('phase', phase, source === 'session' && phase === 'none' ? 'No session selected' : PHASES[phase]);
   element('simulation-form').hidden = source === 'session';
   element('session-form').hidden = source !== 'session';

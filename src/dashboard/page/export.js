@@ -47,7 +47,7 @@ function showRecorder({ isRecording }) {
 /** @type {(runControl: RunControl, scene: Scene) => string} a link to the setup and the view; the replaced targets move on from there */
 function setupLink(runControl, scene) {
   const fragment = runControl.setup && runControl.scenario ? toFragment(runControl.setup, runControl.scenario) : '';
-  return `${location.origin}/#${fragment}&view=${viewText(scene.camera)}`;
+  return `${location.origin}${location.pathname}#${fragment}&view=${viewText(scene.camera)}`;
 }
 
 /** @type {(what: string, text: string) => Promise<void>} */

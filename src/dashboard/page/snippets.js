@@ -1,6 +1,6 @@
 // Commands that repeat one control cycle with curl or Python.
 
-import { token } from './transport.js';
+import { address, token } from './transport.js';
 
 /** @typedef {import('./types.js').StepRequest} StepRequest */
 
@@ -8,7 +8,7 @@ import { token } from './transport.js';
 export function asCurl(request) {
   const header = token() ? ` -H "Authorization: Bearer $REVPRIO_TOKEN"` : '';
   const body = JSON.stringify(request).replaceAll("'", "'\\''");
-  return `curl -s ${location.origin}/v1/step -H 'Content-Type: application/json'${header} -d '${body}'\n`;
+  return `curl -s ${address()}/v1/step -H 'Content-Type: application/json'${header} -d '${body}'\n`;
 }
 
 /** @type {(request: StepRequest) => string} a program that needs only the standard library */
@@ -20,7 +20,7 @@ export function asPython(request) {
 import urllib.request
 
 cycle = json.loads(r'''${JSON.stringify(request)}''')
-request = urllib.request.Request("${location.origin}/v1/step", json.dumps(cycle).encode(), ${headers})
+request = urllib.request.Request("${address()}/v1/step", json.dumps(cycle).encode(), ${headers})
 with urllib.request.urlopen(request) as response:
     answer = json.load(response)
 print(answer["joint_velocity"])
@@ -32,6 +32,6 @@ export function asRos2(controller) {
   return `cat > controller.json <<'END'
 ${JSON.stringify(controller)}
 END
-python3 -m revprio_ros.controller --ros-args -p controller:=controller.json -p url:=${location.origin}
+python3 -m revprio_ros.controller --ros-args -p controller:=controller.json -p url:=${address()}
 `;
 }

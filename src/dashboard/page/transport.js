@@ -1,8 +1,19 @@
 // Requests to the service: JSON bodies, server-sent events, problem reports and the token.
 
+import { BrowserService } from './browser_service.js';
+
 /** @typedef {Pick<import('./types.js').Problem, 'title' | 'status' | 'detail' | 'pointer' | 'candidates'>} Problem */
 
 const TOKEN = 'revprio-token';
+
+/** Address in copied commands if the page has no server: the default of `revprio serve`. */
+const DEFAULT_ADDRESS = 'http://127.0.0.1:8080';
+
+/** The service in this browser; null: a server. @type {BrowserService | null} */
+let inBrowser = null;
+
+/** Whether a server has answered. The page then stays with it. */
+let hasServer = false;
 
 /** An error of a request: the service refused it, or there was no answer (status 0). */
 export class ApiError extends Error {
@@ -44,7 +55,9 @@ function credentials() {
 async function send(path, init = {}) {
   let response;
   try {
-    response = await fetch(path, { ...init, headers: { ...init.headers, ...credentials() }, cache: 'no-store' });
+    response = inBrowser
+      ? await inBrowser.fetch(path, init)
+      : await fetch(path, { ...init, headers: { ...init.headers, ...credentials() }, cache: 'no-store' });
   } catch (error) {
     if (init.signal?.aborted) throw error;
     const detail = 'the service does not answer; is it still running?';
@@ -107,13 +120,32 @@ export async function download(path, type) {
   return (await send(path, { headers: { accept: type } })).blob();
 }
 
-/** Returns whether the service is reachable; needs no token. */
+/** Returns whether the service is reachable; needs no token. Without a server the page starts the service in this browser. */
 export async function isAlive() {
+  if (inBrowser) return true;
+  const isServer = await serverAnswers();
+  hasServer ||= isServer;
+  if (!hasServer) inBrowser = await BrowserService.start();
+  return isServer || inBrowser !== null;
+}
+
+async function serverAnswers() {
   try {
-    return (await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) })).ok;
+    const response = await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) });
+    return response.ok && (await response.text()) === 'ok';
   } catch {
     return false;
   }
+}
+
+/** Returns whether the service runs in this browser. */
+export function isInBrowser() {
+  return inBrowser !== null;
+}
+
+/** Returns the address of the service in copied commands. */
+export function address() {
+  return inBrowser ? DEFAULT_ADDRESS : location.origin;
 }
 
 /**

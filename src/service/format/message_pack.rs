@@ -7,11 +7,11 @@ use std::fmt;
 use std::io::Cursor;
 
 use revprio_api::wire::Object;
+use revprio_local::json::{self, pointer};
 use rmp_serde::decode::{Deserializer, Error};
 use serde::de::{DeserializeOwned, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::{json, pointer};
 use crate::service::error::ApiError;
 
 /// Maximum depth of nesting, as in JSON.

@@ -1,15 +1,14 @@
 //! The two formats of bodies, JSON and MessagePack. Both carry the same values.
 
-mod json;
 mod message_pack;
 
 use axum::http::{HeaderMap, header};
+use revprio_local::json;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_path_to_error::Segment;
 
 use super::accept;
-use super::error::{ApiError, escape_pointer};
+use super::error::ApiError;
 
 /// The format of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,14 +97,4 @@ impl RawBody {
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, ApiError> {
         self.format.read(&self.bytes)
     }
-}
-
-/// Returns the JSON pointer (RFC 6901) of a path.
-fn pointer(path: &serde_path_to_error::Path) -> String {
-    let part = |segment: &Segment| match segment {
-        Segment::Seq { index } => format!("/{index}"),
-        Segment::Map { key } => format!("/{}", escape_pointer(key)),
-        Segment::Enum { .. } | Segment::Unknown => String::new(),
-    };
-    path.iter().map(part).collect()
 }

@@ -18,8 +18,7 @@ use crate::service::events::{Shown, latest};
 use crate::service::format::RawBody;
 use crate::service::interleaving::Source;
 use crate::service::ownership::{Owner, Ownership};
-use crate::service::sessions::SharedAnswer;
-use crate::service::step::open_session;
+use crate::service::sessions::{SharedAnswer, open_session};
 use crate::service::{convert, step_once, stream};
 
 /// Time between two events for a watcher: 30 events a second are enough for display.

@@ -8,6 +8,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 use revprio_lab::simulator::{Scenario, ScenarioList, SimulationRequest};
+use revprio_local::simulation::RunControl;
 use revprio_robot::RobotModel;
 
 use super::{Segment, Shared};
@@ -15,7 +16,7 @@ use crate::service::body::{Answer, Body, LargeAnswer};
 use crate::service::convert;
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
-use crate::service::simulations::{RunControl, trace_answer};
+use crate::service::simulations::trace_answer;
 use crate::service::state::AppState;
 
 /// Time between two events with the progress of a simulation.

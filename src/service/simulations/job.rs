@@ -5,16 +5,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use revprio_api::wire::{Simulation, SimulationState};
-use revprio_lab::report::metrics::Metrics;
+use revprio_lab::metrics::Metrics;
 use revprio_lab::simulator::recording::Recording;
 use revprio_lab::simulator::{CallMode, Scenario, run_operated, run_robot};
+use revprio_local::simulation::{Finished, Progress, ProgressPublisher, RunControl, status};
 use revprio_robot::RobotModel;
 use tokio::sync::{Semaphore, watch};
 use uuid::Uuid;
 
 use super::operator::ControlledOperator;
-use super::progress::{Finished, Progress, ProgressPublisher};
-use super::run_control::RunControl;
 use crate::service::background::{Abandoned, background};
 use crate::service::convert;
 use crate::service::error::ApiError;
@@ -92,20 +91,7 @@ impl Job {
 
     /// Returns the answer to `GET` for this progress.
     pub fn status_at(&self, progress: &Progress) -> Simulation {
-        let stated = (self.scenario.controller.method, self.scenario.controller.solver);
-        let (method, solver) = self.run_control.as_ref().map_or(stated, |run_control| run_control.method_and_solver());
-        Simulation {
-            id: self.id.clone(),
-            scenario: self.scenario.name.clone(),
-            method,
-            solver,
-            interactive: self.run_control.as_ref().map(|run_control| run_control.pace()),
-            periods: self.periods(),
-            state: progress.state,
-            progress: progress.done as f64 / self.periods() as f64,
-            error: progress.error.clone(),
-            metrics: progress.result.as_ref().map(|result| result.metrics),
-        }
+        status(&self.id, &self.scenario, self.run_control.as_deref(), progress)
     }
 
     /// Returns the trace of a finished run.

@@ -3,23 +3,19 @@
 //! Each run calls the controller through [`InProcess`](super::in_process::InProcess) in its own thread. Its joint
 //! velocities equal those over HTTP to the last bit, and it does not compete with the requests of clients.
 
-mod controller_change;
 mod job;
-mod live;
 mod operator;
-mod progress;
-mod run_control;
 mod trace;
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use revprio_lab::simulator::Scenario;
+use revprio_local::simulation::{RunControl, check_size};
 use revprio_robot::RobotModel;
 use tokio::sync::Semaphore;
 
 pub use job::Job;
-pub use run_control::RunControl;
 pub use trace::trace_answer;
 
 use super::error::ApiError;
@@ -32,12 +28,6 @@ const MAX_INTERACTIVE: usize = 4;
 
 /// Maximum number of known simulations: waiting, running and ended.
 const MAX_KEPT: usize = 64;
-
-/// Maximum number of control periods of a simulation.
-const MAX_PERIODS: u64 = 100_000;
-
-/// Maximum number of integration steps of a simulation: control periods times substeps.
-const MAX_STEPS: u64 = 1_000_000;
 
 /// Maximum number of control periods of all known simulations together. A trace uses about 0.7 kilobytes per period, or
 /// 1 kilobyte with noisy sensors, so all traces use at most about 250 MB.
@@ -67,17 +57,7 @@ impl Simulations {
         robot: Arc<RobotModel>,
         run_control: Option<RunControl>,
     ) -> Result<Arc<Job>, ApiError> {
-        let periods = scenario.cycles();
-        if periods > MAX_PERIODS {
-            let detail = format!("{periods} control periods; a simulation has at most {MAX_PERIODS}");
-            return Err(ApiError::invalid("/scenario/duration_s", detail));
-        }
-        let steps = periods * scenario.substeps as u64;
-        if steps > MAX_STEPS {
-            let detail =
-                format!("{steps} steps (control periods times substeps); a simulation has at most {MAX_STEPS}");
-            return Err(ApiError::invalid("/scenario/substeps", detail));
-        }
+        check_size(&scenario)?;
         let job = Arc::new(Job::new(scenario, run_control));
         self.keep(&job)?;
         tokio::spawn(Arc::clone(&job).run(robot, Arc::clone(&self.permits)));

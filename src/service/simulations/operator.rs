@@ -1,14 +1,12 @@
 //! The operator of an interactive run: it paces the simulation and applies the commands of clients.
 
 use std::ops::ControlFlow;
-use std::sync::MutexGuard;
+use std::sync::{Arc, MutexGuard};
 use std::time::{Duration, Instant};
 
 use revprio_lab::simulator::{Ending, Influence, Observed, Operator};
+use revprio_local::simulation::{Camera, Commands, Pacer, ProgressPublisher, RunControl, Turn};
 
-use super::live::Camera;
-use super::progress::ProgressPublisher;
-use super::run_control::{Commands, RunControl};
 use crate::service::background::Abandoned;
 
 /// A run without watchers and commands finishes after this time.
@@ -17,29 +15,23 @@ const UNATTENDED_TIME: Duration = Duration::from_mins(1);
 /// Maximum time between two checks whether the run continues.
 const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// A run that is more than this behind the clock does not catch up.
-const MAX_LAG: Duration = Duration::from_millis(100);
-
 /// Runs a simulation according to a [`RunControl`].
 pub struct ControlledOperator<'a> {
     run_control: &'a RunControl,
     progress: &'a ProgressPublisher,
     abandoned: &'a Abandoned,
-    camera: Camera<'a>,
-    period_s: f64,
-    /// Start of the next period.
-    due: Instant,
+    camera: Camera,
+    pacer: Pacer,
     /// External force in the current period, N.
     external_force: [f64; 3],
 }
 
 impl<'a> ControlledOperator<'a> {
     /// Creates the operator of a run.
-    pub fn new(run_control: &'a RunControl, progress: &'a ProgressPublisher, abandoned: &'a Abandoned) -> Self {
-        let config = run_control.config();
-        let camera = Camera::new(run_control.live(), config);
-        let period_s = config.period_s;
-        Self { run_control, progress, abandoned, camera, period_s, due: Instant::now(), external_force: [0.0; 3] }
+    pub fn new(run_control: &'a Arc<RunControl>, progress: &'a ProgressPublisher, abandoned: &'a Abandoned) -> Self {
+        let camera = Camera::new(Arc::clone(run_control));
+        let pacer = Pacer::new(run_control.config().period_s);
+        Self { run_control, progress, abandoned, camera, pacer, external_force: [0.0; 3] }
     }
 
     /// Waits until the next period is due. During a pause, waits for the next command.
@@ -54,25 +46,13 @@ impl<'a> ControlledOperator<'a> {
             if commands.finish || self.abandoned.is_set() || self.progress.has_ended() {
                 return commands;
             }
-            if commands.pace.paused {
-                self.due = now;
-                if commands.steps > 0 {
-                    commands.steps -= 1;
-                    return commands;
+            match self.pacer.turn(&mut commands, now) {
+                Turn::Period => return commands,
+                Turn::Paused => {
+                    self.camera.publish();
+                    commands = self.run_control.wait(commands, CHECK_INTERVAL);
                 }
-                self.camera.publish();
-                commands = self.run_control.wait(commands, CHECK_INTERVAL);
-                continue;
-            }
-            match self.due.checked_duration_since(now) {
-                Some(left) if !left.is_zero() => {
-                    commands = self.run_control.wait(commands, left.min(CHECK_INTERVAL));
-                }
-                _ => {
-                    let start = if now.duration_since(self.due) > MAX_LAG { now } else { self.due };
-                    self.due = start + Duration::from_secs_f64(self.period_s / commands.pace.speed);
-                    return commands;
-                }
+                Turn::Wait(left) => commands = self.run_control.wait(commands, left.min(CHECK_INTERVAL)),
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Motion of the arm while the service does not answer.
 
 use super::figure::{Colour, Curve, Stroke};
-use super::number::significant;
+use crate::number::significant;
 use crate::simulator::recording::{Recording, Sample};
 
 /// Returns a remark on a run with missing answers; `None` if every period had one.

@@ -2,9 +2,9 @@
 
 use revprio_api::wire::Solver;
 
-use super::metrics::{differences, largest_difference};
-use super::number::significant;
 use super::run::Run;
+use crate::metrics::{differences, largest_difference};
+use crate::number::significant;
 use crate::simulator::Scenario;
 use crate::simulator::recording::Recording;
 

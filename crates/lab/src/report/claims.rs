@@ -3,9 +3,9 @@
 //! The claims are paraphrased. Each names its place in Su et al., *Materials* 2022, 15, 6611.
 
 use super::comparison::MethodPair;
-use super::metrics::Metrics;
-use super::number::{significant, trimmed};
 use super::run::Run;
+use crate::metrics::Metrics;
+use crate::number::{significant, trimmed};
 use crate::simulator::Scenario;
 
 /// Largest RMSE (N) of a force that counts as following its target: 5 % of the paper's 30 N.

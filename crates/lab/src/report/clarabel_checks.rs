@@ -6,8 +6,8 @@
 
 use revprio_api::wire::{Solver, Status};
 
-use super::number::significant;
 use super::run::Run;
+use crate::number::significant;
 use crate::simulator::recording::{ClarabelLevels, PRECISE, Recording};
 
 /// Largest share of levels whose residual before the polish is above [`PRECISE`]. `docs/testing.md` has the measured shares.

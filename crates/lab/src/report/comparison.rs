@@ -2,8 +2,8 @@
 
 use revprio_api::wire::{Method, Solver};
 
-use super::metrics::largest_difference;
 use super::run::Run;
+use crate::metrics::largest_difference;
 use crate::simulator::recording::Recording;
 
 /// The method that the paper proposes.

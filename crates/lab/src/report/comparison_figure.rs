@@ -2,8 +2,8 @@
 
 use super::comparison::{REVERSE_PRIORITY, group_coinciding};
 use super::figure::{Colour, Curve, Figure, Stroke};
-use super::metrics::main_axis;
 use super::time_series::{AXES, MM, is_zero, panel, points, span};
+use crate::metrics::main_axis;
 use crate::simulator::recording::{Recording, Sample};
 
 const COLOURS: [Colour; 5] = [Colour::Blue, Colour::Orange, Colour::Green, Colour::Vermillion, Colour::SkyBlue];

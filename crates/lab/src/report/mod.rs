@@ -30,9 +30,7 @@ mod legend;
 pub mod logarithmic;
 pub mod markdown;
 mod markup;
-pub mod metrics;
 pub mod notes;
-pub mod number;
 mod output;
 pub mod paper_figures;
 mod png;
@@ -49,6 +47,8 @@ use claims::Claim;
 use figure::Figure;
 use run::Program;
 use table::Row;
+
+pub use crate::{metrics, number};
 
 pub use drawing::svg;
 pub use error::Error;

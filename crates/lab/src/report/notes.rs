@@ -3,10 +3,10 @@
 use revprio_api::wire::{Solver, Status};
 
 use super::comparison::{MethodPair, REVERSE_PRIORITY};
-use super::metrics::{Metrics, largest_difference};
-use super::number::significant;
 use super::run::Run;
 use super::time_series::MM;
+use crate::metrics::{Metrics, largest_difference};
+use crate::number::significant;
 use crate::simulator::recording::{Recording, Sample};
 
 /// Returns remarks on a scenario in which both methods of the paper were run; none otherwise.

@@ -2,7 +2,7 @@
 
 use revprio_api::wire;
 
-use super::number::{significant, trimmed};
+use crate::number::{significant, trimmed};
 use crate::simulator::{Contact, ContactKind, Scenario};
 
 /// Returns sentences about the robot, the contacts, the tasks and the expected result.

@@ -1,8 +1,9 @@
 //! Calls to the service, in a session or stateless.
 
+use revprio_api::ClientError;
 use revprio_api::wire;
-use revprio_api::{ClientError, Service};
 
+use super::callee::Callee;
 use super::stateless::{Cycle, Stateless};
 
 /// Who keeps the controller's memory.
@@ -17,15 +18,18 @@ pub enum CallMode {
 
 /// The way in which a run calls the service.
 pub enum Caller<'a> {
-    Session { service: &'a dyn Service, id: String },
+    Session { service: Callee<'a>, id: String },
     Stateless(Box<Stateless<'a>>),
 }
 
 impl<'a> Caller<'a> {
     /// Opens a session, if the mode needs one.
-    pub fn open(controller: &wire::Controller, service: &'a dyn Service, mode: CallMode) -> Result<Self, ClientError> {
+    pub fn open(controller: &wire::Controller, service: Callee<'a>, mode: CallMode) -> Result<Self, ClientError> {
         match mode {
-            CallMode::Session => Ok(Self::Session { service, id: service.create_controller(controller)?.id }),
+            CallMode::Session => {
+                let id = service.create_controller(controller)?.id;
+                Ok(Self::Session { service, id })
+            }
             CallMode::Stateless => Ok(Self::Stateless(Box::new(Stateless::new(service, controller.clone())))),
         }
     }

@@ -8,6 +8,7 @@
 //! its seed only, so a run is reproducible to the last bit.
 
 mod arm;
+mod callee;
 mod caller;
 mod contact;
 mod drive_limits;
@@ -22,6 +23,7 @@ mod plant;
 mod profile;
 mod random;
 pub mod recording;
+#[cfg(feature = "files")]
 pub mod replay;
 mod request;
 mod run;
@@ -43,7 +45,7 @@ pub use field_error::FieldError;
 pub use moving_obstacles::ObstacleMotion;
 pub use operator::{Ending, Influence, Observed, Operator};
 pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest};
-pub use run::{built_in_robot, run, run_operated, run_robot};
+pub use run::{SteppedRun, built_in_robot, run, run_operated, run_robot};
 pub use run_error::RunError;
 pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};
 pub use sensors::{Sensor, Sensors};

@@ -70,6 +70,7 @@ impl MovingObstacles {
     }
 
     /// Returns the obstacles where they are.
+    #[cfg(feature = "files")]
     pub fn shapes(&self, time_s: f64) -> impl Iterator<Item = wire::RoomObstacle> {
         self.0.iter().map(move |moving| shifted(&moving.obstacle, moving.motion(time_s)[0]))
     }
@@ -114,6 +115,7 @@ fn middle(obstacle: &wire::RoomObstacle) -> [f64; 3] {
 }
 
 /// Returns the same shape, shifted by a way, base axes, m.
+#[cfg(feature = "files")]
 fn shifted(obstacle: &wire::RoomObstacle, way: [f64; 3]) -> wire::RoomObstacle {
     let shift = |point: &mut [f64; 3]| point.iter_mut().zip(way).for_each(|(entry, way)| *entry += way);
     let mut shifted = obstacle.clone();

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use revprio_api::Service;
 use revprio_api::wire;
 
+use super::callee::Callee;
 use super::caller::{CallMode, Caller};
 use super::moving_obstacles::MovingObstacles;
 use super::recording::{Recording, Sample, Sensed, TableLayout, Value};
@@ -68,7 +69,7 @@ pub fn replay(
     let controller = &scenario.controller;
     let refused = |time_s| move |source| RunError::Service { time_s, source };
     let obstacles = MovingObstacles::new(controller, &scenario.obstacle_motions).map_err(RunError::from)?;
-    let mut caller = Caller::open(controller, service, mode).map_err(refused(0.0))?;
+    let mut caller = Caller::open(controller, Callee::Borrowed(service), mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
     let columns = TableLayout::from_recording(recording, false).columns();

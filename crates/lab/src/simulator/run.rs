@@ -2,19 +2,21 @@
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use revprio_api::Service;
+use revprio_api::clock::Instant;
 use revprio_api::wire;
 use revprio_robot::kinematics::pose;
 use revprio_robot::{RobotModel, built_in};
 
+use super::callee::Callee;
 use super::caller::{CallMode, Caller};
 use super::field_error::FieldError;
 use super::lossy_channel::LossyChannel;
 use super::operator::{Ending, Influence, Observed, Operator, ProgressObserver};
 use super::plant::Plant;
-use super::recording::{ClarabelLevels, Recording, Timing};
+use super::recording::{ClarabelLevels, Recording, Sample, Timing};
 use super::run_error::RunError;
 use super::scenario::Scenario;
 use super::stateless::Cycle;
@@ -74,15 +76,56 @@ fn drive(
     mode: CallMode,
     operator: &mut impl Operator,
 ) -> Result<Recording, RunError> {
-    let robot = with_tool(robot, &scenario.controller)?;
-    let mut plant = Plant::new(scenario, &robot)?;
-    let caller = Caller::open(&scenario.controller, service, mode);
-    let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
-    let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
-    let mut conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
-    let start = Instant::now();
-    let (mut samples, mut timings, mut clarabel) = (Vec::new(), Vec::new(), ClarabelLevels::default());
-    for period in 0..scenario.cycles() {
+    let mut run = SteppedRun::begin(robot, scenario.clone(), Callee::Borrowed(service), mode)?;
+    for _ in 0..scenario.cycles() {
+        if run.step(operator)?.is_break() {
+            break;
+        }
+    }
+    Ok(run.finish())
+}
+
+/// A run that its caller takes from period to period, for callers that cannot wait, such as the event loop of a browser.
+pub struct SteppedRun<'a> {
+    scenario: Scenario,
+    plant: Plant,
+    conversation: Conversation<'a>,
+    start: Instant,
+    clarabel: ClarabelLevels,
+    samples: Vec<Sample>,
+    timings: Vec<Timing>,
+}
+
+impl<'a> SteppedRun<'a> {
+    /// Begins a run under an operator, as [`run_operated`].
+    pub fn operated(
+        robot: &Arc<RobotModel>,
+        scenario: Scenario,
+        service: Box<dyn Service>,
+    ) -> Result<SteppedRun<'static>, RunError> {
+        SteppedRun::begin(robot, scenario, Callee::Owned(service), CallMode::Stateless)
+    }
+
+    fn begin(
+        robot: &Arc<RobotModel>,
+        scenario: Scenario,
+        service: Callee<'a>,
+        mode: CallMode,
+    ) -> Result<Self, RunError> {
+        let robot = with_tool(robot, &scenario.controller)?;
+        let plant = Plant::new(&scenario, &robot)?;
+        let caller = Caller::open(&scenario.controller, service, mode);
+        let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
+        let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
+        let conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
+        let (start, clarabel) = (Instant::now(), ClarabelLevels::default());
+        Ok(Self { scenario, plant, conversation, start, clarabel, samples: Vec::new(), timings: Vec::new() })
+    }
+
+    /// Runs the next period. Returns whether the run continues.
+    pub fn step(&mut self, operator: &mut impl Operator) -> Result<ControlFlow<()>, RunError> {
+        let Self { scenario, plant, conversation, clarabel, samples, timings, .. } = self;
+        let period = samples.len() as u64;
         let time_s = period as f64 * scenario.period_s();
         let Influence { external_force, controller, targets } = operator.influence(period);
         if let Some(controller) = controller {
@@ -102,24 +145,29 @@ fn drive(
         samples.push(sample);
         timings.push(Timing { round_trip_us: round_trip.as_secs_f64() * 1e6, elapsed_us: held.answer.elapsed_us });
         match operator.goes_on() {
-            ControlFlow::Continue(()) => (),
-            ControlFlow::Break(Ending::Finish) => break,
-            ControlFlow::Break(Ending::Stop) => return Err(RunError::Stopped { time_s }),
+            ControlFlow::Continue(()) if period + 1 < scenario.cycles() => Ok(ControlFlow::Continue(())),
+            ControlFlow::Continue(()) | ControlFlow::Break(Ending::Finish) => Ok(ControlFlow::Break(())),
+            ControlFlow::Break(Ending::Stop) => Err(RunError::Stopped { time_s }),
         }
     }
-    Ok(Recording {
-        scenario: scenario.name.clone(),
-        method: scenario.controller.method,
-        solver: scenario.controller.solver,
-        period_s: scenario.period_s(),
-        wall_time_s: start.elapsed().as_secs_f64(),
-        joint_names: plant.joint_names().to_vec(),
-        energy: plant.energy(),
-        setup: Some(Box::new(scenario.clone())),
-        clarabel: (clarabel.count > 0).then_some(clarabel),
-        samples,
-        timings,
-    })
+
+    /// Returns the recording of the periods so far.
+    pub fn finish(self) -> Recording {
+        let Self { scenario, plant, start, clarabel, samples, timings, .. } = self;
+        Recording {
+            scenario: scenario.name.clone(),
+            method: scenario.controller.method,
+            solver: scenario.controller.solver,
+            period_s: scenario.period_s(),
+            wall_time_s: start.elapsed().as_secs_f64(),
+            joint_names: plant.joint_names().to_vec(),
+            energy: plant.energy(),
+            setup: Some(Box::new(scenario)),
+            clarabel: (clarabel.count > 0).then_some(clarabel),
+            samples,
+            timings,
+        }
+    }
 }
 
 fn unit(goes_on: ControlFlow<Ending>) -> ControlFlow<()> {

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use revprio_api::wire;
 use revprio_api::{ClientError, Service};
 
+use super::callee::Callee;
+
 /// Simulated time over which the command is blended from one method to another, s. It is short compared with the motion of
 /// a force-controlled tool.
 const BLEND_S: f64 = 0.1;
@@ -33,7 +35,7 @@ impl Cycle<'_> {
 
 /// Calls `POST /v1/step`.
 pub struct Stateless<'a> {
-    service: &'a dyn Service,
+    service: Callee<'a>,
     /// The last request, with the memory for the next one.
     request: wire::StepRequest,
     /// The memory with which the last request was sent.
@@ -56,7 +58,7 @@ struct Blend {
 
 impl<'a> Stateless<'a> {
     /// Returns a caller without memory.
-    pub fn new(service: &'a dyn Service, controller: wire::Controller) -> Self {
+    pub fn new(service: Callee<'a>, controller: wire::Controller) -> Self {
         let nothing = wire::State {
             channels: BTreeMap::new(),
             wrenches: BTreeMap::new(),
@@ -80,12 +82,12 @@ impl<'a> Stateless<'a> {
                 self.change(pending);
             }
         }
-        let (mut answer, sent_memory) = send(self.service, &mut self.request, state.clone())?;
+        let (mut answer, sent_memory) = send(&*self.service, &mut self.request, state.clone())?;
         self.sent_memory = sent_memory;
         self.achieved.clear();
         self.achieved.extend(answer.tasks.iter().map(|task| task.achieved.clone()));
         if let Some(blend) = &mut self.blend {
-            blend.mix_into(&mut answer, self.service, state)?;
+            blend.mix_into(&mut answer, &*self.service, state)?;
             // Acceleration limits refer to the command that the arm really received.
             for request in [&mut self.request, &mut blend.request] {
                 if let Some(memory) = &mut request.memory {

@@ -5,7 +5,7 @@ use serde_json::Value as Json;
 
 use super::plan::Cell;
 use super::values::Variation;
-use crate::report::metrics::Metrics;
+use crate::metrics::Metrics;
 use crate::simulator::recording::{Kind, Recording, Value};
 
 /// A measure: name of its column, and its value for a run.

@@ -4,9 +4,9 @@ use revprio_api::wire::Method;
 
 use super::comparison::{CLASSICAL, REVERSE_PRIORITY, solver_preference};
 use super::figure::{Colour, Curve, Figure, Stroke};
-use super::metrics::{Metrics, evaluation_start, force_error};
-use super::number::significant;
 use super::time_series::{MM, panel, points, span};
+use crate::metrics::{Metrics, evaluation_start, force_error};
+use crate::number::significant;
 use crate::simulator::recording::{Recording, Sample};
 
 /// Time before and after the first contact that the impact panel shows (s).

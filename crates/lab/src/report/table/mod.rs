@@ -12,11 +12,11 @@ use std::fmt::Display;
 use revprio_api::wire::{Method, Path, Solver};
 use serde::Serialize;
 
-use super::metrics::limits::LimitUse;
-use super::metrics::{Metrics, Overshoot, Residual, largest_difference, main_axis};
-use super::number::significant;
 use super::requests::Requests;
 use super::run::Run;
+use crate::metrics::limits::LimitUse;
+use crate::metrics::{Metrics, Overshoot, Residual, largest_difference, main_axis};
+use crate::number::significant;
 use crate::simulator::recording::Recording;
 
 /// The solver with which the others are compared.

@@ -6,8 +6,8 @@
 use revprio_api::wire::Method;
 
 use super::{MISSING, Row, optional, padded, request_count, rows};
-use crate::report::metrics::{larger, largest_difference};
-use crate::report::number::significant;
+use crate::metrics::{larger, largest_difference};
+use crate::number::significant;
 use crate::report::requests::Requests;
 use crate::report::run::Run;
 

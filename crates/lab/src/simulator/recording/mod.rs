@@ -6,18 +6,30 @@
 //! ```
 
 mod answered;
+#[cfg(feature = "files")]
 mod cell;
 mod clarabel_levels;
+#[cfg(feature = "files")]
 mod columns;
+#[cfg(feature = "files")]
 mod csv_table;
+#[cfg(feature = "files")]
 mod description;
+#[cfg(feature = "files")]
 mod error;
+#[cfg(feature = "files")]
 mod format;
+#[cfg(feature = "files")]
 mod json_lines;
+#[cfg(feature = "files")]
 mod mcap_log;
+#[cfg(feature = "files")]
 pub mod parquet_file;
+#[cfg(feature = "files")]
 mod parquet_table;
+#[cfg(feature = "files")]
 mod quantity;
+#[cfg(feature = "files")]
 mod writer;
 
 use std::fmt;
@@ -29,14 +41,22 @@ pub use super::energy::Energy;
 use super::scenario::Scenario;
 pub use super::sensors::Sensed;
 
+#[cfg(feature = "files")]
 pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
+#[cfg(feature = "files")]
 pub use columns::{Column, TableLayout};
+#[cfg(feature = "files")]
 pub use csv_table::{cell_text, cell_value};
+#[cfg(feature = "files")]
 pub use error::{ReadError, WriteError};
+#[cfg(feature = "files")]
 pub use format::{Format, read};
+#[cfg(feature = "files")]
 pub use json_lines::write_object;
+#[cfg(feature = "files")]
 pub use quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
+#[cfg(feature = "files")]
 pub use writer::Writer;
 
 /// The recording of one run of a scenario.
@@ -184,16 +204,19 @@ impl Recording {
     }
 
     /// Returns the file name of the recording in a format.
+    #[cfg(feature = "files")]
     pub fn trace_name(&self, format: Format) -> String {
         format!("{}.{}", self.label(), format.ending())
     }
 
     /// Returns whether the controller watches distances.
+    #[cfg(feature = "files")]
     fn watches_distances(&self) -> bool {
         let is_stated = self.setup.as_ref().is_some_and(|setup| setup.controller.collisions.is_some());
         is_stated || self.samples.first().is_some_and(|sample| sample.least_distance.is_some())
     }
 
+    #[cfg(feature = "files")]
     fn push(&mut self, sample: Sample, timing: Timing, timed: bool) {
         self.samples.push(sample);
         if timed {
@@ -230,6 +253,7 @@ impl Sample {
     }
 
     /// Returns a sample of zeros for the given number of joints, tasks and channels.
+    #[cfg(feature = "files")]
     fn zeros(joints: usize, tasks: usize, channels: usize, sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =

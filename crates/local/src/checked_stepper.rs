@@ -1,0 +1,246 @@
+//! A stepper that checks the states, alone and with the memory of its last step.
+
+use std::sync::Arc;
+
+use crate::clock::Instant;
+use revprio_api::wire;
+use revprio_core::controller::{Command, Controller, Measurement, Memory, Stepper};
+use revprio_core::linalg::Vector;
+
+use super::convert;
+use super::error::ApiError;
+use super::robots::Robots;
+use super::solvers::stepper;
+use super::state_rules::{LastState, StateRules};
+use super::{request_warnings, warnings, why};
+
+/// A controller with its workspace, and the rules for its states.
+pub struct CheckedStepper {
+    stepper: Stepper,
+    rules: StateRules,
+    /// Warnings about the controller in its first answer.
+    first_warnings: Vec<String>,
+}
+
+impl CheckedStepper {
+    /// Creates the stepper of a controller.
+    pub fn new(request: &wire::Controller, controller: Controller) -> Result<Self, ApiError> {
+        let rules = convert::state_rules(request)?;
+        let first_warnings = warnings::of_first_step(request, controller.config());
+        let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
+        Ok(Self { stepper, rules, first_warnings })
+    }
+
+    /// Returns the controller.
+    pub fn controller(&self) -> &Arc<Controller> {
+        self.stepper.controller()
+    }
+
+    /// Reads a state and refuses one beyond the bounds of the controller.
+    pub fn measurement(&self, state: &wire::State) -> Result<Measurement, ApiError> {
+        let measurement = convert::measurement(state, self.controller())?;
+        self.rules.check(&measurement, self.controller())?;
+        Ok(measurement)
+    }
+
+    /// Computes the answer to a measurement of [`Self::measurement`], without memory.
+    pub fn step(
+        &mut self,
+        memory: &mut Option<Memory>,
+        last: Option<&LastState>,
+        sequence: u64,
+        measurement: &Measurement,
+        start: Instant,
+    ) -> Result<wire::StepAnswer, ApiError> {
+        let (controller, rules) = (self.stepper.controller().clone(), self.rules);
+        let (command, Remarks { warnings, why }) = self.command(memory, last, sequence, measurement)?;
+        let answer = convert::step_answer(&controller, &rules, sequence, command, start);
+        Ok(wire::StepAnswer { warnings, why, ..answer })
+    }
+
+    /// Computes the command of a step, and the remarks of its answer.
+    fn command(
+        &mut self,
+        memory: &mut Option<Memory>,
+        last: Option<&LastState>,
+        sequence: u64,
+        measurement: &Measurement,
+    ) -> Result<(&Command, Remarks), ApiError> {
+        let controller = self.stepper.controller().clone();
+        let config = controller.config();
+        let mut warnings = if memory.is_none() { self.first_warnings.clone() } else { Vec::new() };
+        let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
+        self.rules.warn(&mut warnings, measurement, &controller, command);
+        warnings::warn_about_targets(&mut warnings, &controller, command);
+        warnings::warn_about_weights(&mut warnings, &controller, command);
+        request_warnings::of_targets(&mut warnings, &controller, measurement);
+        if let Some(last) = last {
+            last.compare(&mut warnings, sequence, measurement, &controller);
+        }
+        let why = if self.rules.why { why::why_of_step(config, command, measurement) } else { Vec::new() };
+        Ok((command, Remarks { warnings, why }))
+    }
+}
+
+/// The texts of an answer.
+struct Remarks {
+    warnings: Vec<String>,
+    /// What restricts the command and what its tasks give up; empty if the controller does not want it.
+    why: Vec<String>,
+}
+
+/// A controller that is ready for a session, as it was requested and with the warnings about it.
+pub struct PreparedController {
+    /// The request.
+    pub request: wire::Controller,
+    /// The controller with its workspace.
+    pub stepper: CheckedStepper,
+    /// Warnings about unstable loops and gains that are too high.
+    pub warnings: Vec<String>,
+}
+
+impl PreparedController {
+    /// Checks a controller. The warnings take longer than a step.
+    pub fn new(request: wire::Controller, robots: &Robots) -> Result<Self, ApiError> {
+        let controller = convert::controller(&request, robots)?;
+        let warnings = warnings::of_controller(&request, controller.config())?;
+        let stepper = CheckedStepper::new(&request, controller)?;
+        Ok(Self { request, stepper, warnings })
+    }
+}
+
+/// A controller from state to state: the memory of its last step, and the state to compare the next one with.
+pub struct ControlLoop {
+    stepper: CheckedStepper,
+    memory: Option<Memory>,
+    last_state: Option<LastState>,
+    answers: RecentAnswers,
+}
+
+impl ControlLoop {
+    /// Starts without memory.
+    pub fn new(stepper: CheckedStepper) -> Self {
+        Self { stepper, memory: None, last_state: None, answers: RecentAnswers::default() }
+    }
+
+    /// Returns the controller.
+    pub fn controller(&self) -> &Arc<Controller> {
+        self.stepper.controller()
+    }
+
+    /// Continues with another controller, whose first commands move to its motion at the acceleration limits. On an error
+    /// nothing changes.
+    pub fn replace(&mut self, stepper: CheckedStepper) -> Result<(), ApiError> {
+        let (old, new) = (self.controller(), stepper.controller());
+        let continued = match (&self.memory, &self.last_state) {
+            (Some(memory), Some(last)) => new.continue_from(old, memory, &last.joint_position).map(Some),
+            _ => new.check_transition(old).map(|()| None),
+        };
+        self.memory = continued.map_err(|error| convert::transition_error(&error))?;
+        self.stepper = stepper;
+        Ok(())
+    }
+
+    /// Reads a state and refuses one beyond the bounds of the controller.
+    pub fn measurement(&self, state: &wire::State) -> Result<Measurement, ApiError> {
+        self.stepper.measurement(state)
+    }
+
+    /// Sequence number of the last state.
+    pub fn last_sequence(&self) -> Option<u64> {
+        self.last_state.as_ref().map(|last| last.sequence)
+    }
+
+    /// Joint velocities q̇ of the last command, n.
+    pub fn last_command(&self) -> Option<&Vector> {
+        self.memory.as_ref().map(|memory| &memory.last_command)
+    }
+
+    /// Computes the answer to a measurement of [`Self::measurement`]. The caller checks the sequence number.
+    pub fn step(
+        &mut self,
+        sequence: u64,
+        measurement: Measurement,
+        start: Instant,
+    ) -> Result<wire::StepAnswer, ApiError> {
+        let answer = self.stepper.step(&mut self.memory, self.last_state.as_ref(), sequence, &measurement, start)?;
+        self.remember(sequence, measurement);
+        Ok(answer)
+    }
+
+    /// Computes the command for a measurement of [`Self::measurement`], as [`Self::step`], without its explanation.
+    pub fn command(
+        &mut self,
+        sequence: u64,
+        measurement: Measurement,
+        start: Instant,
+    ) -> Result<ComputedStep, ApiError> {
+        let (controller, rules) = (Arc::clone(self.stepper.controller()), self.stepper.rules);
+        let last = self.last_state.as_ref();
+        let (_, remarks) = self.stepper.command(&mut self.memory, last, sequence, &measurement)?;
+        let command = self.answers.take(&mut self.stepper.stepper);
+        self.remember(sequence, measurement);
+        let elapsed_us = start.elapsed().as_secs_f64() * 1e6;
+        Ok(ComputedStep { controller, rules, sequence, command, remarks, elapsed_us })
+    }
+
+    fn remember(&mut self, sequence: u64, measurement: Measurement) {
+        let Measurement { time_s, joint_position, .. } = measurement;
+        self.last_state = Some(LastState { sequence, time_s, joint_position });
+    }
+}
+
+/// The commands of the last two answers. A loop keeps the last answer until it has the next one, so the command before it is
+/// mostly unused, and the next answer takes its memory.
+#[derive(Default)]
+struct RecentAnswers {
+    last: Arc<Command>,
+    before: Arc<Command>,
+}
+
+impl RecentAnswers {
+    /// Takes the command of the last step.
+    fn take(&mut self, stepper: &mut Stepper) -> Arc<Command> {
+        std::mem::swap(&mut self.last, &mut self.before);
+        if Arc::get_mut(&mut self.last).is_none() {
+            self.last = Arc::default();
+        }
+        if let Some(unused) = Arc::get_mut(&mut self.last) {
+            stepper.exchange_command(unused);
+        }
+        Arc::clone(&self.last)
+    }
+}
+
+/// A step whose answer is written only when it is read: that takes about as long as the step.
+pub struct ComputedStep {
+    controller: Arc<Controller>,
+    rules: StateRules,
+    sequence: u64,
+    command: Arc<Command>,
+    remarks: Remarks,
+    elapsed_us: f64,
+}
+
+impl ComputedStep {
+    /// Joint velocities q̇, n, rad/s or m/s.
+    pub fn joint_velocity(&self) -> &[f64] {
+        self.command.resolution.joint_velocity.as_slice()
+    }
+
+    /// Validity of the command, ms.
+    pub fn valid_for_ms(&self) -> u64 {
+        convert::valid_for_ms(&self.command.hold, &self.rules)
+    }
+
+    /// Returns the whole answer.
+    pub fn answer(&self) -> wire::StepAnswer {
+        let start = Instant::now();
+        wire::StepAnswer {
+            warnings: self.remarks.warnings.clone(),
+            why: self.remarks.why.clone(),
+            elapsed_us: self.elapsed_us,
+            ..convert::step_answer(&self.controller, &self.rules, self.sequence, &self.command, start)
+        }
+    }
+}

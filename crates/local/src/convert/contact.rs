@@ -1,0 +1,200 @@
+//! The law `contact`: its settings, its reports and its memory.
+
+use revprio_api::wire::{self, PerAxis};
+use revprio_core::controller::ControllerConfig;
+use revprio_core::law::{
+    ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, StiffnessEstimate,
+    SurfaceMotion, Swing,
+};
+use revprio_robot::kinematics::{Axis, AxisSelection};
+
+use super::checks::{Inside, Result, check, each};
+use super::numbers::{check_numbers, number};
+use super::profile::{PerRow, at_row};
+use super::terms;
+use crate::error::ApiError;
+
+/// Reads the law for axes of the tool; `None`: it is another law. Pointers begin at the law.
+pub fn contact_law(law: &wire::Law, axes: &AxisSelection) -> Result<Option<ContactLaw>> {
+    let wire::Law::Contact { target_force, sensor_lag_s, .. } = law else { return Ok(None) };
+    let rows = PerRow { rows: axes.len() };
+    let target = rows.profile(target_force).inside("/target_force")?;
+    let is_angular = |axis: &Axis| matches!(axis, Axis::Rx | Axis::Ry | Axis::Rz);
+    let mut settings: Vec<_> = axes.axes().iter().map(|axis| ContactSettings::of(is_angular(axis))).collect();
+    for field in FIELDS {
+        let Some(values) = field.values(law) else { continue };
+        let numbers = rows.numbers(values, &format!("/{}", field.name))?;
+        for (settings, value) in settings.iter_mut().zip(numbers) {
+            (field.set)(settings, value);
+        }
+    }
+    if let Some(lag) = sensor_lag_s {
+        let lag = number(*lag, "/sensor_lag_s")?;
+        for settings in &mut settings {
+            settings.sensor_lag = lag;
+        }
+    }
+    ContactLaw::new(target, settings).map(Some).map_err(|error| refused(&error, law))
+}
+
+/// A field of the law with one value per axis.
+struct Field {
+    name: &'static str,
+    get: fn(&wire::Law) -> Option<&PerAxis<f64>>,
+    set: fn(&mut ContactSettings, f64),
+}
+
+impl Field {
+    fn values<'a>(&self, law: &'a wire::Law) -> Option<&'a PerAxis<f64>> {
+        (self.get)(law)
+    }
+}
+
+/// Names a field of the law once.
+macro_rules! field {
+    ($name:ident, $set:expr) => {
+        Field {
+            name: stringify!($name),
+            get: |law| if let wire::Law::Contact { $name, .. } = law { $name.as_ref() } else { None },
+            set: $set,
+        }
+    };
+}
+
+const FIELDS: [Field; 7] = [
+    field!(approach_speed, |settings, value| settings.approach_speed = Some(value)),
+    field!(stiffest, |settings, value| settings.stiffest = value),
+    field!(noise, |settings, value| settings.noise = value),
+    field!(bias, |settings, value| settings.bias = value),
+    field!(max_force, |settings, value| settings.max_force = value),
+    field!(retreat_speed, |settings, value| settings.retreat_speed = value),
+    field!(max_acceleration, |settings, value| settings.max_acceleration = value),
+];
+
+fn refused(error: &ContactLawError, law: &wire::Law) -> ApiError {
+    let pointer = match error {
+        ContactLawError::Range { field, row, .. } => {
+            let values = FIELDS.iter().find(|known| known.name == *field).and_then(|field| field.values(law));
+            values.map_or(format!("/{field}"), |values| at_row(values, &format!("/{field}"), *row))
+        }
+        ContactLawError::NoDirection { .. } | ContactLawError::Size { .. } => "/target_force".to_owned(),
+    };
+    ApiError::invalid(pointer, error)
+}
+
+fn state(phase: ContactPhase) -> (wire::ContactState, Option<wire::ContactFault>) {
+    match phase {
+        ContactPhase::Approach => (wire::ContactState::Approach, None),
+        ContactPhase::Contact => (wire::ContactState::Contact, None),
+        ContactPhase::Loss => (wire::ContactState::Loss, None),
+        ContactPhase::Fault(cause) => (wire::ContactState::Fault, Some(terms::fault_answer(cause))),
+    }
+}
+
+/// Returns a report of an axis.
+pub fn contact_answer(report: &ContactReport) -> wire::ContactReport {
+    let (state, fault) = state(report.phase);
+    wire::ContactReport {
+        state,
+        fault,
+        stiffness_bound: report.stiffness_bound,
+        stiffness: report.stiffness.map(|[stiffness, _]| stiffness),
+        stiffness_uncertainty: report.stiffness.map(|[_, uncertainty]| uncertainty),
+        predicted_force: report.predicted_force,
+        surface_velocity: report.surface_velocity,
+        energy_j: report.energy,
+        approach_speed: report.approach_speed,
+        unavoidable_peak: report.unavoidable_peak,
+    }
+}
+
+/// Reads what the axes remember. The controller checks their number and their ranges.
+pub fn contact_memory(contacts: &[wire::ContactMemory], config: &ControllerConfig) -> Result<Vec<ContactAxis>> {
+    let rows = |task: &revprio_core::controller::TaskConfig| task.law.contact().map_or(0, ContactLaw::rows);
+    let most = config.tasks.iter().map(rows).sum::<usize>();
+    check(
+        contacts.len() <= most,
+        "/contacts",
+        format_args!("give at most {most}, one per axis with the law `contact`"),
+    )?;
+    each("/contacts", contacts, |_, axis| axis_memory(axis))
+}
+
+fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
+    let [upper, slope, uncertainty] = axis.stiffness;
+    let [mean_position, mean_force] = axis.means;
+    let [squared_position, product, squared_force, samples] = axis.sums;
+    let [mean, seen, velocity] = axis.surface_motion;
+    let [factor, amplitude, before] = axis.swing;
+    check_numbers(&axis.stiffness, "/stiffness")?;
+    check_numbers(&axis.means, "/means")?;
+    check_numbers(&axis.sums, "/sums")?;
+    check_numbers(&axis.swing, "/swing")?;
+    check_numbers(&axis.surface_motion, "/surface_motion")?;
+    Ok(ContactAxis {
+        phase: phase(axis.state, axis.fault)?,
+        position: number(axis.position, "/position")?,
+        sensed_position: number(axis.sensed_position, "/sensed_position")?,
+        force: number(axis.force, "/force")?,
+        surface: number(axis.surface, "/surface")?,
+        contact_time: number(axis.contact_time_s, "/contact_time_s")?,
+        hold_time: number(axis.hold_time_s, "/hold_time_s")?,
+        return_speed: number(axis.return_speed, "/return_speed")?,
+        spent: number(axis.spent_j, "/spent_j")?,
+        before_retreat: number(axis.before_retreat, "/before_retreat")?,
+        fault_position: number(axis.fault_position, "/fault_position")?,
+        estimate: StiffnessEstimate {
+            upper,
+            slope,
+            uncertainty,
+            mean_position,
+            mean_force,
+            squared_position,
+            product,
+            squared_force,
+            samples,
+        },
+        motion: SurfaceMotion { mean, slope: seen, velocity },
+        swing: Swing { factor, amplitude, before, above: axis.is_above },
+    })
+}
+
+fn phase(state: wire::ContactState, fault: Option<wire::ContactFault>) -> Result<ContactPhase> {
+    match (state, fault) {
+        (wire::ContactState::Approach, None) => Ok(ContactPhase::Approach),
+        (wire::ContactState::Contact, None) => Ok(ContactPhase::Contact),
+        (wire::ContactState::Loss, None) => Ok(ContactPhase::Loss),
+        (wire::ContactState::Fault, Some(cause)) => Ok(ContactPhase::Fault(terms::fault(cause))),
+        _ => Err(ApiError::invalid("/fault", "give a fault in the state `fault`, and in no other")),
+    }
+}
+
+/// Returns what the axes remember as a part of an answer.
+pub fn contact_memory_answer(contacts: &[ContactAxis]) -> Vec<wire::ContactMemory> {
+    contacts.iter().map(axis_answer).collect()
+}
+
+fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
+    let (state, fault) = state(axis.phase);
+    let (estimate, swing) = (&axis.estimate, &axis.swing);
+    wire::ContactMemory {
+        state,
+        fault,
+        position: axis.position,
+        sensed_position: axis.sensed_position,
+        force: axis.force,
+        surface: axis.surface,
+        contact_time_s: axis.contact_time,
+        hold_time_s: axis.hold_time,
+        return_speed: axis.return_speed,
+        spent_j: axis.spent,
+        before_retreat: axis.before_retreat,
+        fault_position: axis.fault_position,
+        stiffness: [estimate.upper, estimate.slope, estimate.uncertainty],
+        means: [estimate.mean_position, estimate.mean_force],
+        sums: [estimate.squared_position, estimate.product, estimate.squared_force, estimate.samples],
+        surface_motion: [axis.motion.mean, axis.motion.slope, axis.motion.velocity],
+        swing: [swing.factor, swing.amplitude, swing.before],
+        is_above: swing.above,
+    }
+}

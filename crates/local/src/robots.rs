@@ -1,0 +1,208 @@
+//! The registry of the arms that requests can name.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use crate::clock::Instant;
+use revprio_robot::{RobotModel, built_in};
+
+/// Maximum number of registered robots. Each uses at most about 100 kilobytes, mostly names.
+const MAX_REGISTERED: usize = 64;
+
+/// Maximum length of the name of a robot, bytes.
+pub const MAX_NAME: usize = 64;
+
+/// The reason why a robot cannot be found, added or removed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RobotsError {
+    /// The name cannot be a part of a URL.
+    #[error(
+        "`{0:.80}` cannot name a robot; use at most {MAX_NAME} letters, digits, `_`, `-` and `.`, and begin with a \
+         letter or digit"
+    )]
+    Name(String),
+    /// Another robot has the name.
+    #[error("the name `{0}` is taken; choose another")]
+    Taken(String),
+    /// The maximum number of robots is registered.
+    #[error("{MAX_REGISTERED} robots are registered already; delete one, or wait until an unused one ends")]
+    Full,
+    /// The robot came with the program or with `--robot`.
+    #[error("`{0}` belongs to the service; only registered robots can be deleted")]
+    Permanent(String),
+    /// There is no such robot.
+    #[error("there is no robot `{name}`; known: {known}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The names of all robots.
+        known: String,
+    },
+}
+
+/// All known robots: permanent robots, and robots that clients registered.
+///
+/// A registered robot ends when it is not used for the idle timeout. Every `Arc` of a robot counts as use: while a session
+/// holds a robot, the robot does not end. Deleting a robot only frees its name.
+#[derive(Debug)]
+pub struct Robots {
+    permanent: Vec<Arc<RobotModel>>,
+    registered: Mutex<Vec<Registered>>,
+    idle_timeout: Duration,
+}
+
+#[derive(Debug)]
+struct Registered {
+    robot: Arc<RobotModel>,
+    /// Time of the first check that found no user; `None` while the robot is used.
+    idle_since: Option<Instant>,
+}
+
+impl Registered {
+    fn has_ended(&mut self, idle_timeout: Duration) -> bool {
+        if Arc::strong_count(&self.robot) > 1 {
+            self.idle_since = None;
+            return false;
+        }
+        self.idle_since.get_or_insert_with(Instant::now).elapsed() >= idle_timeout
+    }
+}
+
+impl Robots {
+    /// Creates a registry of the robots that ship with the program.
+    pub fn built_in() -> Self {
+        Self { permanent: built_in().to_vec(), ..Self::none() }
+    }
+
+    /// Creates an empty registry. Registered robots do not end before a service sets the idle timeout.
+    pub fn none() -> Self {
+        Self { permanent: Vec::new(), registered: Mutex::default(), idle_timeout: Duration::MAX }
+    }
+
+    /// Adds a permanent robot.
+    pub fn with(mut self, robot: Arc<RobotModel>) -> Result<Self, RobotsError> {
+        self.check_name(robot.name(), &[])?;
+        self.permanent.push(robot);
+        Ok(self)
+    }
+
+    /// Sets the idle timeout of registered robots.
+    pub fn with_idle_timeout(self, idle_timeout: Duration) -> Self {
+        Self { idle_timeout, ..self }
+    }
+
+    /// Registers a robot until it is deleted or unused for the idle timeout.
+    pub fn register(&self, robot: Arc<RobotModel>) -> Result<(), RobotsError> {
+        let mut registered = self.registered();
+        self.check_name(robot.name(), &registered)?;
+        if registered.len() >= MAX_REGISTERED {
+            return Err(RobotsError::Full);
+        }
+        registered.push(Registered { robot, idle_since: None });
+        Ok(())
+    }
+
+    /// Removes a registered robot.
+    pub fn remove(&self, name: &str) -> Result<(), RobotsError> {
+        if self.is_permanent(name) {
+            return Err(RobotsError::Permanent(name.to_owned()));
+        }
+        let mut registered = self.registered();
+        let index = registered.iter().position(|entry| entry.robot.name() == name);
+        let removed = index.map(|index| registered.remove(index));
+        drop(registered);
+        removed.map(drop).ok_or_else(|| self.unknown(name))
+    }
+
+    /// Returns whether the robot is permanent.
+    pub fn is_permanent(&self, name: &str) -> bool {
+        self.permanent.iter().any(|robot| robot.name() == name)
+    }
+
+    /// Returns the robot with this name.
+    pub fn get(&self, name: &str) -> Result<Arc<RobotModel>, RobotsError> {
+        if let Some(robot) = self.permanent.iter().find(|robot| robot.name() == name) {
+            return Ok(Arc::clone(robot));
+        }
+        let found = self.registered().iter_mut().find(|entry| entry.robot.name() == name).map(|entry| {
+            entry.idle_since = None;
+            Arc::clone(&entry.robot)
+        });
+        found.ok_or_else(|| self.unknown(name))
+    }
+
+    /// Returns all robots: permanent ones first, then the others in the order of registration.
+    pub fn all(&self) -> Vec<Arc<RobotModel>> {
+        let registered = self.registered();
+        let registered = registered.iter().map(|entry| &entry.robot);
+        self.permanent.iter().chain(registered).cloned().collect()
+    }
+
+    fn unknown(&self, name: &str) -> RobotsError {
+        let known: Vec<String> = self.all().iter().map(|robot| format!("`{}`", robot.name())).collect();
+        RobotsError::Unknown { name: name.to_owned(), known: known.join(", ") }
+    }
+
+    fn check_name(&self, name: &str, registered: &[Registered]) -> Result<(), RobotsError> {
+        let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+        let starts_well = name.starts_with(|c: char| c.is_ascii_alphanumeric());
+        if !(starts_well && name.len() <= MAX_NAME && name.chars().all(is_word)) {
+            return Err(RobotsError::Name(name.to_owned()));
+        }
+        let mut others = self.permanent.iter().chain(registered.iter().map(|entry| &entry.robot));
+        if others.any(|other| other.name() == name) { Err(RobotsError::Taken(name.to_owned())) } else { Ok(()) }
+    }
+
+    /// Removes the registered robots that have ended, and returns the others.
+    fn registered(&self) -> MutexGuard<'_, Vec<Registered>> {
+        let mut registered = self.registered.lock().unwrap_or_else(PoisonError::into_inner);
+        registered.retain_mut(|entry| !entry.has_ended(self.idle_timeout));
+        registered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(name: &str) -> Arc<RobotModel> {
+        Arc::new(RobotModel::clone(&built_in()[0]).renamed(name))
+    }
+
+    #[test]
+    fn an_unused_registered_robot_ends() {
+        let robots = Robots { idle_timeout: Duration::ZERO, ..Robots::built_in() };
+        let held = named("held");
+        robots.register(Arc::clone(&held)).unwrap();
+        robots.register(named("forgotten")).unwrap();
+        assert!(robots.get("held").is_ok());
+        assert!(matches!(robots.get("forgotten"), Err(RobotsError::Unknown { .. })));
+        drop(held);
+        assert!(robots.get("held").is_err() && robots.get("sawyer_dh").is_ok());
+    }
+
+    #[test]
+    fn the_idle_time_counts_from_the_end_of_the_last_use() {
+        let robots = Robots { idle_timeout: Duration::from_millis(50), ..Robots::none() };
+        robots.register(named("arm")).unwrap();
+        let held = robots.get("arm").unwrap();
+        std::thread::sleep(Duration::from_millis(60));
+        drop(held);
+        assert_eq!(robots.all().len(), 1, "the robot was in use until now");
+        std::thread::sleep(Duration::from_millis(60));
+        assert_eq!(robots.all().len(), 0);
+    }
+
+    #[test]
+    fn names_are_words_and_unique() {
+        let robots = Robots::built_in();
+        let too_long = "a".repeat(65);
+        for name in ["", "..", "a/b", "a b", "-a", "ä", "a\n", too_long.as_str()] {
+            assert_eq!(robots.register(named(name)), Err(RobotsError::Name(name.to_owned())));
+        }
+        assert_eq!(robots.register(named("sawyer")), Err(RobotsError::Taken("sawyer".to_owned())));
+        assert_eq!(robots.register(named("cell-4.arm_2")), Ok(()));
+        assert_eq!(robots.register(named("cell-4.arm_2")), Err(RobotsError::Taken("cell-4.arm_2".to_owned())));
+        assert!(Robots::built_in().with(named("panda")).is_err() && Robots::none().with(named("panda")).is_ok());
+    }
+}

@@ -1,0 +1,285 @@
+//! The `why` of an answer: sentences that say what restricts the joint velocities, and what the tasks give up.
+
+use std::sync::Arc;
+
+use revprio_api::wire;
+use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
+use revprio_core::limits::BoundCause;
+use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
+use revprio_lab::number::significant;
+use revprio_robot::RobotModel;
+
+use super::constraint_names::ConstraintNames;
+
+/// Distance from the end of its range at which a joint is there, rad or m.
+const RANGE_END: f64 = 0.02;
+
+/// Smallest velocity that a task gives up, m/s or rad/s.
+const MIN_GIVEN_UP: f64 = 1e-4;
+
+/// Smallest part of its speed that a scaled task gives up.
+const MIN_SCALED: f64 = 1e-4;
+
+/// The unit of a row of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// m/s.
+    Metres,
+    /// rad/s.
+    Radians,
+    /// A row of a given Jacobian.
+    Unknown,
+}
+
+impl Unit {
+    /// Returns the unit of an axis of the tool.
+    pub fn of_axis(axis: wire::Axis) -> Self {
+        match axis {
+            wire::Axis::X | wire::Axis::Y | wire::Axis::Z => Self::Metres,
+            wire::Axis::Rx | wire::Axis::Ry | wire::Axis::Rz => Self::Radians,
+        }
+    }
+
+    const ALL: [Self; 3] = [Self::Metres, Self::Radians, Self::Unknown];
+
+    fn velocity(self) -> &'static str {
+        match self {
+            Self::Metres => "m/s",
+            Self::Radians => "rad/s",
+            Self::Unknown => "m/s or rad/s",
+        }
+    }
+}
+
+/// A task of the sentences.
+pub struct NamedTask<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Requested velocity; for a task with bounds the allowed one nearest to the achieved one.
+    pub requested: Vec<f64>,
+    /// Units of the rows.
+    pub units: Vec<Unit>,
+}
+
+/// A resolution with the names and limits of its sentences.
+pub struct Explained<'a> {
+    /// The resolution.
+    pub resolution: &'a Resolution,
+    /// Names of the joints, n.
+    pub joints: Vec<&'a str>,
+    /// Names of the inequalities.
+    pub inequalities: ConstraintNames<'a>,
+    /// A link and what it would come too near to.
+    pub held_by: Option<&'a [Arc<str>; 2]>,
+    /// The robot, if known.
+    pub robot: Option<&'a RobotModel>,
+    /// Joint position, n, if position limits apply.
+    pub position: Option<&'a [f64]>,
+    /// The limit that sets each active limit of a joint, in their order.
+    pub causes: Vec<BoundCause>,
+    /// Whether jerk limits apply.
+    pub keeps_jerk: bool,
+    /// Threshold of the damping, if there is damping.
+    pub threshold: Option<f64>,
+    /// Joints whose acceleration or jerk limit is not kept.
+    pub conflicts: &'a [usize],
+    /// Tasks, highest priority first.
+    pub tasks: Vec<NamedTask<'a>>,
+}
+
+/// Returns the sentences about the command for a measurement.
+pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &Measurement) -> Vec<String> {
+    let unit = |task: &TaskConfig, row| match task.rows.is_angular(row, &config.robot) {
+        Some(true) => Unit::Radians,
+        Some(false) => Unit::Metres,
+        None => Unit::Unknown,
+    };
+    let tasks = config.tasks.iter().zip(&command.targets).map(|(task, target)| NamedTask {
+        name: &task.name,
+        requested: target.velocity.as_slice().to_vec(),
+        units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
+    });
+    let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
+    let explained = Explained {
+        resolution: &command.resolution,
+        joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
+        inequalities: ConstraintNames::of_command(config, command),
+        held_by: command.collisions.as_ref().and_then(|report| report.held_by.as_ref()),
+        robot: Some(&config.robot),
+        position: includes_position.then_some(measurement.joint_position.as_slice()),
+        causes: command.limit_causes.clone(),
+        keeps_jerk: config.keeps_jerk(),
+        threshold: config.damping.map(|damping| damping.threshold()),
+        conflicts: &command.limit_conflicts,
+        tasks: tasks.collect(),
+    };
+    let mut sentences = explained.sentences();
+    if command.fading_since_s.is_some() {
+        let percent = (100.0 * command.request_share).round();
+        sentences.push(format!(
+            "{percent} % of what the tasks ask for is passed on, because the arm turned and turned without coming nearer to its targets"
+        ));
+    }
+    sentences.extend(command.stuck.iter().map(|stuck| explained.stuck(stuck)));
+    sentences
+}
+
+impl Explained<'_> {
+    /// Returns what restricts the answer, then what each task gives up.
+    pub fn sentences(&self) -> Vec<String> {
+        let resolution = self.resolution;
+        let losses: Vec<String> =
+            self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
+        let mut sentences: Vec<String> = self.solver().into_iter().collect();
+        let limits = resolution.active_limits().zip(&self.causes);
+        sentences.extend(limits.map(|((joint, active), cause)| self.limit(joint, active, *cause)));
+        sentences.extend(resolution.broken_limits().map(|(joint, violated)| {
+            let (joint, unit) = (self.joints[joint], self.unit(joint));
+            let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
+            format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
+        }));
+        let active = resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
+        sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
+        let violated = resolution.broken_constraints().filter_map(|(_, broken)| self.inequalities.get(broken.bound.id));
+        sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
+        sentences.extend(
+            self.held_by.map(|[link, other]| format!("`{link}` would come too near to `{other}` before the arm stops")),
+        );
+        sentences.extend(self.conflicts.iter().map(|&index| {
+            let joint = self.joints[index];
+            format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))
+        }));
+        if losses.is_empty() {
+            let all = if sentences.is_empty() {
+                "no limit is active; every task is achieved"
+            } else {
+                "every task is achieved"
+            };
+            sentences.push(all.to_owned());
+            return sentences;
+        }
+        sentences.extend(self.singularities());
+        if sentences.is_empty() {
+            sentences.push("the tasks are in conflict".to_owned());
+        }
+        sentences.extend(losses);
+        sentences
+    }
+
+    fn solver(&self) -> Option<String> {
+        let text = match self.resolution.solver.status {
+            Status::Optimal => return None,
+            Status::NotCertified => "the joint velocities are inside the limits, but may not be optimal",
+            Status::Failed => "no answer was found; the joint velocities are the slowest ones inside the limits",
+        };
+        Some(text.to_owned())
+    }
+
+    /// Returns which limit of a joint is active.
+    fn limit(&self, index: usize, active: &ActiveBound, cause: BoundCause) -> String {
+        let (joint, unit) = (self.joints[index], self.unit(index));
+        let side = if active.bound.side == Side::Upper { "upper" } else { "lower" };
+        let speed = significant(active.value.abs(), 2);
+        let left = self.left(index, active.bound.side);
+        match cause {
+            BoundCause::Unlimited | BoundCause::Given => {
+                format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
+            }
+            BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
+            _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
+            BoundCause::Position if left < RANGE_END => format!("joint `{joint}` is at its {side} limit"),
+            BoundCause::Position => format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}"),
+            BoundCause::Acceleration => format!("joint `{joint}` is at its acceleration limit"),
+            BoundCause::Transition => {
+                format!("joint `{joint}` is at its acceleration limit, in the transition from another controller")
+            }
+            BoundCause::Distance => {
+                format!("joint `{joint}` brakes so that the arm stops before it comes too near to something")
+            }
+            BoundCause::Jerk => format!("joint `{joint}` is at its jerk limit"),
+            BoundCause::LevellingOff => {
+                format!("joint `{joint}` levels off within its jerk limit at the velocity that the tasks want")
+            }
+        }
+    }
+
+    /// Returns the distance of a joint from the end of its range on one side, rad or m; infinite if it does not matter.
+    fn left(&self, joint: usize, side: Side) -> f64 {
+        let Some((robot, position)) = self.robot.zip(self.position) else { return f64::INFINITY };
+        let limits = robot.joints()[joint].limits;
+        match side {
+            Side::Upper => limits.upper - position[joint],
+            Side::Lower => position[joint] - limits.lower,
+        }
+    }
+
+    /// Returns the name of the limit that a conflict gives up.
+    fn conflicting(&self, joint: usize) -> &'static str {
+        let has_jerk = |robot: &RobotModel| robot.joints()[joint].limits.jerk.is_finite();
+        if self.keeps_jerk && self.robot.is_some_and(has_jerk) {
+            "acceleration or jerk limit"
+        } else {
+            "acceleration limit"
+        }
+    }
+
+    /// Returns the singularities that tasks give way to.
+    fn singularities(&self) -> Vec<String> {
+        let tasks = self.tasks.iter().zip(&self.resolution.tasks);
+        let deficient = tasks.filter(|(task, outcome)| outcome.rank < task.units.len());
+        let mut sentences: Vec<String> = deficient
+            .map(|(task, outcome)| {
+                let rows = task.units.len();
+                format!(
+                    "the posture is singular: task `{}` can move in {} of {rows} directions",
+                    task.name, outcome.rank
+                )
+            })
+            .collect();
+        let singularity = &self.resolution.singularity;
+        if singularity.algorithmic {
+            sentences.push("the tasks are in conflict".to_owned());
+        } else if sentences.is_empty()
+            && let Some(threshold) = self.threshold
+            && singularity.smallest_singular_value() < threshold
+        {
+            let [sigma, threshold] =
+                [singularity.smallest_singular_value(), threshold].map(|value| significant(value, 2));
+            sentences.push(format!(
+                "the arm is near a singularity: the smallest singular value is {sigma}, damping starts below {threshold}"
+            ));
+        }
+        sentences
+    }
+
+    fn stuck(&self, stuck: &StuckTask) -> String {
+        let (name, since) = (self.tasks[stuck.task].name, significant(stuck.since_s, 4));
+        let leaving = if stuck.leaving { "; the arm leaves this posture" } else { "" };
+        format!("task `{name}` has made no progress since t = {since} s{leaving}")
+    }
+
+    /// Returns the unit of the velocity of a joint.
+    fn unit(&self, joint: usize) -> &'static str {
+        let unit = match self.robot.map(|robot| robot.joints()[joint].kind.is_translation()) {
+            Some(true) => Unit::Metres,
+            Some(false) => Unit::Radians,
+            None => Unit::Unknown,
+        };
+        unit.velocity()
+    }
+}
+
+/// Returns what a task gives up, if anything.
+fn loss(task: &NamedTask, outcome: &TaskOutcome) -> Option<String> {
+    if let Some(scale) = outcome.scale.filter(|scale| *scale < 1.0 - MIN_SCALED) {
+        let percent = significant(100.0 * scale, 2);
+        return Some(format!("task `{}` moves in its direction at {percent} % of its speed", task.name));
+    }
+    let part = |unit: Unit| {
+        let rows = task.requested.iter().zip(&outcome.achieved).zip(&task.units).filter(|(_, known)| **known == unit);
+        let norm = rows.fold(0.0_f64, |norm, ((requested, achieved), _)| norm.hypot(achieved - requested));
+        (norm >= MIN_GIVEN_UP).then(|| format!("{} {}", significant(norm, 2), unit.velocity()))
+    };
+    let parts: Vec<String> = Unit::ALL.into_iter().filter_map(part).collect();
+    (!parts.is_empty()).then(|| format!("task `{}` gives up {}", task.name, parts.join(" and ")))
+}
