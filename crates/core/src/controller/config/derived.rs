@@ -13,6 +13,7 @@ use crate::law::{ContactAxis, ContactLaw, Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
+use crate::wrench::WrenchTerms;
 
 /// Part of the lag and the dead time that may differ from what is stated. A choice: the damping fades over a wider range the larger
 /// it is, so more than needed costs accuracy near singularities.
@@ -52,6 +53,18 @@ impl ControllerConfig {
     pub(in crate::controller) fn fading_damping(&self) -> Option<Damping> {
         let reaction = self.period_s + MISSTATED * self.drive.time_to_rest(self.period_s);
         self.damping.map(|damping| damping.for_reaction(reaction))
+    }
+
+    /// Returns the terms of all measured wrenches.
+    pub(in crate::controller) fn wrench_terms(&self) -> WrenchTerms {
+        WrenchTerms { convention: self.wrench_convention, frame: self.wrench_frame }
+    }
+
+    /// Returns the time constant of the low-pass behind which task `k` reads the wrench, s; 0 without one.
+    pub(in crate::controller) fn filter_time(&self, k: usize) -> f64 {
+        let tip = self.tasks[k].rows.tip(&self.robot);
+        let sensor = self.wrench_sensors.iter().find(|sensor| Some(sensor.tip) == tip);
+        sensor.map_or(0.0, |sensor| sensor.filter_time)
     }
 
     /// Returns the number of axes with the contact law.
