@@ -69,7 +69,7 @@ fn missing<T>(pointer: &str, task: &str) -> Result<T> {
 }
 
 /// Returns force and torque as six numbers. Pointers begin at the wrench.
-fn six(wrench: &wire::Wrench) -> Result<[f64; 6]> {
+pub fn six(wrench: &wire::Wrench) -> Result<[f64; 6]> {
     let wire::Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] } = *wrench;
     check_numbers(&wrench.force, "/force")?;
     check_numbers(&wrench.torque, "/torque")?;

@@ -34,6 +34,7 @@ mod streaming;
 pub mod string_or_map;
 mod string_tags;
 mod virtual_arm;
+mod wrench_sensor;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
 pub use channel::{Channel, ChannelInput, ChannelKind, ChannelMemory, ChannelTarget};
@@ -80,3 +81,7 @@ pub use streaming::{
     StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample, TargetState, TargetStream,
 };
 pub use virtual_arm::{Line, VirtualArm};
+pub use wrench_sensor::{
+    Payload, PayloadAnswer, PayloadReading, PayloadRequest, RestReading, TareAnswer, TareRequest, WrenchSensor,
+    WrenchSensorMemory,
+};

@@ -54,6 +54,13 @@ impl WrenchTerms {
         }
     }
 
+    /// Returns a reading as the wrench on the tool, along the axes of its sensor, N and N·m; `sensor`: the orientation of the sensor in the
+    /// base.
+    pub fn on_tool(self, reading: &[f64; 6], sensor: &Rotation3<f64>) -> Wrench {
+        let Wrench { force, torque } = self.along_sensor(reading, sensor);
+        Wrench { force: -self.convention.sign() * force, torque: -self.convention.sign() * torque }
+    }
+
     /// Returns a reading along the axes of its sensor, N and N·m; `sensor`: the orientation of the sensor in the base.
     pub(super) fn along_sensor(self, reading: &[f64; 6], sensor: &Rotation3<f64>) -> Wrench {
         match self.frame {

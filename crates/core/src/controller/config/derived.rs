@@ -56,7 +56,7 @@ impl ControllerConfig {
     }
 
     /// Returns the terms of all measured wrenches.
-    pub(in crate::controller) fn wrench_terms(&self) -> WrenchTerms {
+    pub fn wrench_terms(&self) -> WrenchTerms {
         WrenchTerms { convention: self.wrench_convention, frame: self.wrench_frame }
     }
 
