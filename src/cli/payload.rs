@@ -144,26 +144,3 @@ fn describe(answer: &PayloadAnswer) -> String {
         answer.condition,
     )
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tables_that_are_none_are_refused_with_the_place() {
-        let header = WRENCH.join(",");
-        for (text, part) in [
-            (String::new(), "empty"),
-            ("force_x,force_y\n1,2".to_owned(), "`force_z` is missing"),
-            (format!("{header},gravity_x\n"), "all of gravity_x"),
-            (format!("{header}\n1,2,3"), "line 2: 3 cells for 6"),
-            (format!("{header}\n1,2,3,4,5,six"), "`six` in `torque_z`"),
-            (format!("{header}\n1,2,3,4,nan,6"), "`nan` in `torque_y`"),
-        ] {
-            let refused = table(&text).unwrap_err();
-            assert!(refused.contains(part), "{refused}");
-        }
-        let read = table(&format!("{header},j1\n\n1,2,3,4,5,6,0.5\n")).unwrap();
-        assert_eq!(read.readings[0].wrench.torque, [4.0, 5.0, 6.0]);
-    }
-}

@@ -214,6 +214,18 @@ fn sensors_that_are_none_are_refused_by_their_fields() {
     service.post("/v1/controllers", &other.to_string()).assert_refused(422, Some("/wrench_sensors/left"));
 }
 
+#[test]
+fn a_stated_sensor_needs_its_reading() {
+    let service = Service::start();
+    let request = json!({"robot": "sawyer_dh", "period_s": 0.002, "wrench_sensor": {}, "tasks": [
+        {"name": "hold", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 3}}]});
+    let session = service.open(&request);
+    let state = json!({"sequence": 1, "time_s": 0.0, "joint_position": START});
+    let answer = service.post(&format!("{session}/step"), &state.to_string());
+    answer.assert_refused(422, Some("/wrench"));
+    assert!(answer.text.contains("the wrench sensor of the controller needs the wrench"), "{}", answer.text);
+}
+
 /// The memory of a low-pass and of an acceleration travels with stateless steps.
 #[test]
 fn sessions_and_stateless_steps_correct_with_the_same_bytes() {

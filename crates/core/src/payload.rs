@@ -5,11 +5,13 @@
 //! the tool has a known direction.
 
 mod axes;
+mod reading;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use self::axes::AxesCheck;
 pub use self::axes::{AXES_EVIDENCE, AxisAssignment};
+pub use self::reading::PayloadReading;
 
 /// Smallest number of postures.
 pub const MIN_POSTURES: usize = 6;
@@ -28,17 +30,6 @@ const GRAVITY_TOLERANCE: f64 = 2e-3;
 
 /// Residual over the noise above which the readings are not those of a payload.
 const MAX_RESIDUAL: f64 = 3.0;
-
-/// One reading at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PayloadReading {
-    /// g, acceleration of gravity along the axes of the sensor, m/s².
-    pub gravity: Vector3<f64>,
-    /// Force on the tool, N, along the axes of the sensor.
-    pub force: Vector3<f64>,
-    /// Torque on the tool, N·m, at the sensor.
-    pub torque: Vector3<f64>,
-}
 
 /// Payload and bias.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -109,6 +109,9 @@ pub fn complete(document: &mut Value) {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
         document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);
     }
+    {
+        document["components"]["schemas"]["ContactReport"]["properties"]["event"]["examples"] = json!(["contact"]);
+    }
     document["components"]["schemas"]["ObstacleMotion"]["properties"]["displacement"]["examples"] =
         json!([{"kind": "constant", "value": [0.0, 0.1, 0.0]}]);
     for Example { path, method, name, request, answer } in EXAMPLES {

@@ -549,9 +549,12 @@ class ContactReport(Answer):
     - surface_velocity: Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
     - unavoidable_peak: Peak force that no controller can avoid at this approach speed in the stiffest contact, N or
       N·m.
+    - event: The state that began in this period; absent in all others. Count these to count contacts and losses.
     - fault: Why the contact is given up; only in the state `fault`.
+    - force: Measured force along the pressing direction, N or N·m.
     - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
     - stiffness_uncertainty: Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    - target_force: Target force along the pressing direction, N or N·m.
     """
 
     approach_speed: float
@@ -568,12 +571,18 @@ class ContactReport(Answer):
     """Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s."""
     unavoidable_peak: float
     """Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m."""
+    event: ContactState | None = None
+    """The state that began in this period; absent in all others. Count these to count contacts and losses."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    force: float | None = None
+    """Measured force along the pressing direction, N or N·m."""
     stiffness: float | None = None
     """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
     stiffness_uncertainty: float | None = None
     """Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known."""
+    target_force: float | None = None
+    """Target force along the pressing direction, N or N·m."""
 
 
 TargetState = Literal["following", "extrapolating", "holding", "braking"]

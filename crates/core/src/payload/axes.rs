@@ -12,7 +12,7 @@ use std::fmt;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::PayloadReading;
+use super::reading::PayloadReading;
 
 /// Evidence that decides: a χ² of 8 degrees of freedom exceeds it three times in a million.
 pub const AXES_EVIDENCE: f64 = 40.0;

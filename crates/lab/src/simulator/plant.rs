@@ -14,7 +14,7 @@ use super::drive_limits::DriveLimits;
 use super::environment::Environment;
 use super::moving_obstacles::MovingObstacles;
 use super::profile::external_wrench;
-use super::recording::{AtLimit, Energy, Sample};
+use super::recording::{AtLimit, Contacts, Energy, Sample};
 use super::run_error::RunError;
 use super::scenario::Scenario;
 use super::sensors::{Sensed, Sensing};
@@ -162,6 +162,7 @@ impl Plant {
             manipulability: answer.singularity.manipulability,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
             channels: answer.channels.values().copied().map(Some).collect(),
+            contacts: Contacts::of(answer, held.is_new),
             limits: AtLimit::of(answer, &self.joint_names),
             energy: self.energy(),
             answered: held.is_new,

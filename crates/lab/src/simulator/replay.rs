@@ -9,7 +9,7 @@ use revprio_api::wire;
 use super::caller::{CallMode, Caller};
 use super::moving_obstacles::MovingObstacles;
 use super::plant::target_force;
-use super::recording::{AtLimit, Recording, Sample, Sensed, TableLayout, Value};
+use super::recording::{AtLimit, Contacts, Recording, Sample, Sensed, TableLayout, Value};
 use super::run_error::RunError;
 
 /// Why a recording cannot be replayed.
@@ -169,6 +169,7 @@ fn answered(
         manipulability: answer.singularity.manipulability,
         residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
         channels: answer.channels.values().copied().map(Some).collect(),
+        contacts: Contacts::of(answer, sample.answered),
         limits: AtLimit::of(answer, joint_names),
         ..sample.clone()
     }

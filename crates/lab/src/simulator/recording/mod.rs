@@ -8,6 +8,7 @@
 mod cell;
 mod clarabel_levels;
 mod columns;
+mod contact;
 mod csv_table;
 mod description;
 mod error;
@@ -31,6 +32,7 @@ pub use super::sensors::Sensed;
 pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
 pub use columns::{Column, TableLayout};
+pub use contact::{ContactEvent, ContactWord, Contacts};
 pub use csv_table::{cell_text, cell_value};
 pub use error::{ReadError, WriteError};
 pub use format::{Format, read};
@@ -125,6 +127,9 @@ pub struct Sample {
     /// Commands of the channels, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<Option<f64>>,
+    /// Contacts of the tasks with the law `contact`.
+    #[serde(default, skip_serializing_if = "Contacts::is_empty")]
+    pub contacts: Contacts,
     /// Relation of each joint velocity to its limits, n.
     pub limits: Vec<AtLimit>,
     /// Energy of the contacts so far.
@@ -219,8 +224,8 @@ impl Sample {
         self.limits.iter().any(|limit| *limit != AtLimit::Free)
     }
 
-    /// Returns a sample of zeros for the given number of joints, tasks and channels.
-    fn zeros(joints: usize, tasks: usize, channels: usize, sensed: bool) -> Self {
+    /// Returns a sample of zeros for the given number of joints, tasks, channels and axes in contact.
+    fn zeros(joints: usize, [tasks, channels, contacts]: [usize; 3], sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
@@ -231,6 +236,7 @@ impl Sample {
             actual_velocity: row.clone(),
             residual_norms: vec![0.0; tasks],
             channels: vec![None; channels],
+            contacts: Contacts::approaching(contacts),
             limits: vec![AtLimit::Free; joints],
             ..Self::at_rest()
         }
@@ -259,6 +265,7 @@ impl Sample {
             manipulability: 0.1,
             residual_norms: Vec::new(),
             channels: Vec::new(),
+            contacts: Contacts::default(),
             limits: Vec::new(),
             energy: Energy::default(),
             answered: true,
