@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use super::{
     ActiveInequality, ActiveLimit, ChannelInput, ChannelMemory, CollisionReport, ContactMemory, Contradiction,
     Controller, DriveState, JointVector, ObstacleState, Pose, Side, Singularity, SolverReport, StreamedTarget,
-    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm, WrenchSensorMemory,
+    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm, Wrench, WrenchSensorMemory,
 };
 use super::{integer, object};
 
@@ -52,16 +52,6 @@ pub struct State {
     /// Where the moving obstacles of the controller are; each must be named. Default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ObstacleState>,
-}
-
-/// Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Wrench {
-    /// Force x, y, z, N.
-    pub force: [f64; 3],
-    /// Torque x, y, z, N·m.
-    pub torque: [f64; 3],
 }
 
 /// `POST /v1/step`: controller, state and memory in one body, without a session.
