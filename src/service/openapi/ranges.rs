@@ -92,24 +92,6 @@ fn request_ranges() -> Vec<FieldRange> {
             valid_for_ms: Between(1.0, MAX_VALID_FOR_MS as f64),
         }
         wire::JointDrive { lag_s: Between(0.0, MAX_LAG_S), delay_periods: UpTo(MAX_DRIVE_DELAY) }
-        wire::WrenchSensor {
-            gravity: Items(3, 3),
-            filter_time_s: Between(0.0, MAX_FILTER_S),
-            deadband_n: NotNegative,
-            deadband_nm: NotNegative,
-        }
-        wire::Payload {
-            mass_kg: Between(0.0, MAX_PAYLOAD_KG),
-            center_of_mass: Items(3, 3),
-        }
-        wire::TareRequest { readings: Items(MIN_TARE_READINGS, MAX_READINGS) }
-        wire::PayloadRequest {
-            gravity: Items(3, 3),
-            force_noise_n: Positive,
-            torque_noise_nm: Positive,
-            readings: Items(MIN_POSTURES, MAX_READINGS),
-        }
-        wire::PayloadReading { gravity: Items(3, 3) }
         wire::StateChecks { position_tolerance: NotNegative, max_force_n: NotNegative, max_torque_nm: NotNegative }
         wire::ControllerTask {
             axes: UniqueItems(1, 6),
@@ -193,6 +175,30 @@ fn request_ranges() -> Vec<FieldRange> {
             speed: Between(MIN_SPEED, MAX_SPEED),
             external_force: Items(3, 3),
         }
+    }
+}
+
+/// Returns the ranges of fields of wrench sensors, and of the requests about them.
+fn sensor_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::WrenchSensor {
+            gravity: Items(3, 3),
+            filter_time_s: Between(0.0, MAX_FILTER_S),
+            deadband_n: NotNegative,
+            deadband_nm: NotNegative,
+        }
+        wire::Payload {
+            mass_kg: Between(0.0, MAX_PAYLOAD_KG),
+            center_of_mass: Items(3, 3),
+        }
+        wire::TareRequest { readings: Items(MIN_TARE_READINGS, MAX_READINGS) }
+        wire::PayloadRequest {
+            gravity: Items(3, 3),
+            force_noise_n: Positive,
+            torque_noise_nm: Positive,
+            readings: Items(MIN_POSTURES, MAX_READINGS),
+        }
+        wire::PayloadReading { gravity: Items(3, 3) }
     }
 }
 
@@ -371,7 +377,7 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [request_ranges(), sensor_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;
