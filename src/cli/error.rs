@@ -125,6 +125,14 @@ pub enum CliError {
         /// The error.
         source: serde_json::Error,
     },
+    /// The table with the readings of a sensor cannot be read.
+    #[error("{}: {message}", path.display())]
+    PayloadTable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
     /// Standard output cannot be written.
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),

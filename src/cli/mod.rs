@@ -12,6 +12,7 @@ mod openapi;
 mod out_directory;
 mod output;
 mod parallel_runs;
+mod payload;
 mod progress_bar;
 mod replay;
 mod report;
@@ -65,6 +66,7 @@ const EXAMPLES: &str = "Examples:
   revprio robots check my_arm.urdf,tip=flange        show what is read from a robot file
   revprio serve --robot my_arm.urdf,tip=flange       serve your own robot
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
+  revprio payload readings.csv --robot sawyer --on-tool   bias and payload of a wrist sensor
   revprio bench --only core,http                     measure speed next to other programs
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer
   revprio check request.json answer.json             check the certificate of an answer, with Python";
@@ -98,6 +100,8 @@ enum Command {
     Report(report::Options),
     /// Compute the stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
     Stability(stability::Options),
+    /// Identify bias and payload of a wrist sensor from readings in six postures or more.
+    Payload(payload::Options),
     /// Resolve one problem and print the answer as a table.
     Resolve(resolve::Options),
     /// Check the certificate of an answer with a program that shares no code with revprio.
@@ -158,6 +162,7 @@ impl Cli {
             Command::Sweep(options) => sweep::run(&options),
             Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
+            Command::Payload(options) => payload::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Check(options) => Ok(check::run(&options)?),
             Command::Bench(arguments) => Ok(tool::run("bench", &arguments)?),

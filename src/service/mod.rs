@@ -11,6 +11,7 @@
 //! | `GET /v1/controllers/{id}/stream` | control periods of a session over WebSocket |
 //! | `GET /v1/controllers/{id}/watch` | server-sent events `step` with states and answers, at most 30 a second |
 //! | `POST /v1/kinematics` | pose, Jacobian, singular values and link frames at a posture |
+//! | `POST /v1/payload` | bias and payload of a wrench sensor from readings in six postures or more |
 //! | `POST /v1/stability` | stability margins of one axis in contact: maximum lag, maximum delay, minimum damping |
 //! | `GET`, `POST /v1/robots` | lists or registers the arms that requests can name |
 //! | `GET`, `DELETE /v1/robots/{name}` | shows an arm, or deletes a registered one |

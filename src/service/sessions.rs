@@ -237,6 +237,21 @@ impl Sessions {
         Ok(self.created(parse(id)?, session.control.controller(), warnings))
     }
 
+    /// Tares a wrench sensor of a session, after a step that is running. The next state gets the bias.
+    pub async fn tare(
+        &self,
+        id: &str,
+        request: &wire::TareRequest,
+        client: &Owner,
+    ) -> Result<wire::TareAnswer, ApiError> {
+        let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
+        session.ownership.owner.allow(client)?;
+        let Session { control, request: controller, .. } = &mut *session;
+        let (answer, tared) = control.tare(request, controller)?;
+        session.request = tared;
+        Ok(answer)
+    }
+
     fn created(&self, id: Uuid, controller: &Controller, warnings: Vec<String>) -> wire::CreatedController {
         let joints = controller.config().robot.joints().iter().map(|joint| joint.name.clone()).collect();
         wire::CreatedController { id: id.to_string(), joints, idle_timeout_s: self.idle_timeout.as_secs(), warnings }

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod demo;
 mod openapi;
+mod payload;
 mod program;
 mod replay;
 mod resolve;

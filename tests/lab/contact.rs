@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
-use revprio_lab::simulator::recording::Recording;
+use revprio_lab::simulator::recording::{ContactEvent, ContactWord, Format, Recording, read};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 /// A tool that presses downwards with 30 N at 3 cm/s; L 5 ms, D 1, T 2 ms, noise 0.2 N behind a filter of 2 ms.
@@ -113,4 +113,45 @@ fn a_sensor_of_the_force_on_the_tool_presses_too() {
         });
         assert!((forces(&found).last().unwrap() - TARGET).abs() < 1.5, "{robot:?}");
     }
+}
+
+#[test]
+fn the_contact_stands_in_every_format_of_a_recording() {
+    let run = press(SAWYER, 1e4, |text| text);
+    let events = |event| run.samples.iter().filter(|sample| sample.contacts.event[0] == event).count();
+    assert_eq!((events(ContactEvent::Contact), events(ContactEvent::Loss), events(ContactEvent::Pull)), (1, 0, 0));
+    let (first, last) = (&run.samples[0].contacts, &run.samples.last().unwrap().contacts);
+    assert_eq!((first.state[0], first.stiffness[0]), (ContactWord::Approach, None));
+    assert_eq!((last.state[0], last.target_force[0]), (ContactWord::Contact, TARGET));
+    assert!((last.force[0] - TARGET).abs() < 1.5 && (last.stiffness[0].unwrap() / 1e4 - 1.0).abs() < 0.1, "{last:?}");
+    for format in Format::ALL {
+        let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("contact.{}", format.ending()));
+        format.write_file(&run, false, &file).unwrap();
+        let back = read(&file).unwrap();
+        assert_eq!(back.samples, run.samples, "{format:?}");
+        let bytes = std::fs::read(&file).unwrap();
+        let has = |word: &[u8]| bytes.windows(word.len()).any(|part| part == word);
+        match format {
+            Format::Csv => assert!(has(b"contact_state_1,contact_event_1,contact_force_1")),
+            Format::Mcap => assert!(has(b"/contact") && has(b"revprio.Contacts")),
+            Format::JsonLines | Format::Parquet => {}
+        }
+    }
+}
+
+/// The sensor has a bias of 3 N, a tool of 0.5 kg and a place of its own; the controller knows them.
+#[test]
+fn a_wrist_sensor_with_bias_and_payload_presses_with_the_right_force() {
+    let sensor = r#"wrench_convention = "on_tool"
+wrench_frame = "tool"
+tool_offset = { position = [0, 0, 0.1], orientation = { w = 1, x = 0, y = 0, z = 0 } }
+wrench_sensor = { pose = { position = [0, 0, 0.02], orientation = { w = 0.8, x = 0, y = 0, z = 0.6 } }, filter_time_s = 0.002, bias = { force = [2, -1, 2], torque = [0.1, 0, 0] }, payload = { mass_kg = 0.5, center_of_mass = [0, 0.01, 0.06] } }
+"#;
+    let run = press(SAWYER, 1e4, |text| text.replace("[controller]\n", &format!("[controller]\n{sensor}")));
+    let sensed = run.samples[0].sensed.as_ref().unwrap();
+    assert!(sensed.force.iter().map(|f| f * f).sum::<f64>().sqrt() > 2.0, "{sensed:?}");
+    let forces = forces(&run);
+    let last = &forces[forces.len() - 200..];
+    let mean = last.iter().sum::<f64>() / 200.0;
+    assert!((mean - TARGET).abs() < 0.1 && peak(&forces) < 1.2 * TARGET, "{mean} {}", peak(&forces));
 }

@@ -172,7 +172,8 @@ fn errors_name_files_columns_and_values_that_are_not_valid() {
 fn documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all = TableLayout { watched: true, channels: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all =
+        TableLayout { watched: true, channels: 0, contacts: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
     let missing: Vec<String> = all
         .columns()
         .iter()

@@ -107,3 +107,54 @@ fn a_memory_whose_contacts_do_not_fit_is_refused() {
     refused("/memory", &|contacts| contacts[0]["spent_j"] = json!(-1));
     refused("/memory/contacts", &|contacts| *contacts = json!([contacts[0], contacts[0]]));
 }
+
+#[test]
+fn numbers_that_contradict_each_other_are_warned_about() {
+    let service = Service::start();
+    let warned = |fields: Value| {
+        let mut law = law();
+        law.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
+        let answer = service.call("/v1/controllers", &controller(&law));
+        let warnings = answer["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned());
+        warnings.filter(|text| text.starts_with("task `press`, axis 1:")).collect::<Vec<_>>()
+    };
+    assert_eq!(warned(json!({"max_force": 30})), [""; 0]);
+    for (fields, part) in [
+        (json!({"max_force": 10}), "is below the target force 15"),
+        (json!({"max_force": 16}), "is less than 1.2 times the target force 15"),
+        (json!({"noise": 4}), "so the tool presses with 20"),
+    ] {
+        let found = warned(fields);
+        assert!(found.len() == 1 && found[0].contains(part), "{found:?}");
+    }
+    let mut deaf = controller(&law());
+    deaf["wrench_sensor"] = json!({"deadband_n": 0.6});
+    let answer = service.call("/v1/controllers", &deaf);
+    assert!(answer["warnings"].to_string().contains("the deadband 0.6 of `wrench_sensor` is above 0.5"), "{answer}");
+    service
+        .post(
+            "/v1/controllers",
+            &controller(&json!({"kind": "contact", "target_force": {"kind": "constant", "value": -15},
+        "stiffest": 1}))
+            .to_string(),
+        )
+        .assert_refused(422, Some("/tasks/0/law/stiffest"));
+}
+
+#[test]
+fn an_answer_tells_the_force_and_what_begins() {
+    let service = Service::start();
+    let session = service.open(&controller(&law()));
+    let contact = |sequence, force| {
+        service.call(&format!("{session}/step"), &state(sequence, &START, force))["tasks"][0]["contact"][0].clone()
+    };
+    assert_eq!(contact(1, 0.0).get("event"), None);
+    let touch = contact(2, -3.0);
+    assert_eq!(
+        (&touch["event"], &touch["force"], &touch["target_force"]),
+        (&json!("contact"), &json!(3.0), &json!(15.0))
+    );
+    assert_eq!(contact(3, -3.0).get("event"), None);
+    assert_eq!(contact(4, 0.0)["event"], "loss");
+    assert_eq!(contact(5, 9.0)["event"], "fault");
+}

@@ -39,3 +39,4 @@ mod units;
 mod warnings;
 mod watch;
 mod why;
+mod wrench;

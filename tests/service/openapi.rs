@@ -245,6 +245,7 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     call("/v1/kinematics", "kinematics_link");
     call("/v1/stability", "stability");
     call("/v1/stability", "stability_impedance");
+    call("/v1/payload", "payload");
     call("/v1/step", "step");
     call("/v1/step", "step_inequality");
     call("/v1/step", "step_again");
@@ -278,6 +279,7 @@ fn the_examples_of_the_document_get_their_committed_answers() {
     let mut sessions = service.get("/v1/controllers").accepted();
     sessions["controllers"].as_array_mut().unwrap().truncate(1);
     assert_committed("sessions", &sessions);
+    call(&format!("/v1/controllers/{session}/tare"), "tare");
     let new = example("controller_replaced.json").to_string();
     sent.insert("controller_replaced".to_owned());
     let replaced =

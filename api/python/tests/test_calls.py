@@ -22,6 +22,7 @@ from revprio import (
     Scenario,
     SimulationError,
     VelocityLaw,
+    WrenchSensor,
 )
 
 Q = np.array([0.3, -0.6, 0.2, 1.4, 0.1, 0.9, 0.0])
@@ -79,6 +80,17 @@ def test_the_maximum_lag_equals_the_value_in_the_documentation(client: Client) -
     answer = client.stability(inertia=15, damping=150, environment=wall, period_s=0.001, lag_s=0.005)
     assert not answer.stable
     assert answer.largest_lag_s == pytest.approx(0.0015, rel=1e-3)
+
+
+def test_a_payload_is_identified_and_a_wrong_sign_is_refused(client: Client) -> None:
+    request = example("payload")
+    found = client.payload(**request)
+    assert found.axes_verified
+    assert found.payload.mass_kg == pytest.approx(0.5, abs=0.05)
+    sensor = WrenchSensor(bias=found.bias, payload=found.payload)
+    assert sensor.payload is not None
+    with pytest.raises(InvalidError, match="the other sign"):
+        client.payload(**{**request, "wrench_convention": "on_environment"})
 
 
 def test_a_robot_can_be_registered_and_deleted(client: Client) -> None:

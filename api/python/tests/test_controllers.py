@@ -17,6 +17,7 @@ from revprio import (
     InvalidError,
     NotFoundError,
     ObstacleState,
+    RestReading,
     Session,
     State,
     Stateless,
@@ -218,3 +219,16 @@ def test_a_wrench_is_six_numbers_or_a_wrench_object(client: Client, config: Cont
         with pytest.raises(ValueError, match="six numbers"):
             session.step(Q, wrench=[1, 2, 3])
         assert session.step(Q, wrench=Wrench(force=[0, 0, 0], torque=[0, 0, 0])).sequence == 0
+
+
+def test_a_tared_session_keeps_its_bias_when_tasks_change(client: Client, config: ControllerConfig) -> None:
+    reading = RestReading(joint_position=Q, wrench=Wrench(force=[3, 0, -1], torque=[0, 0.1, 0]))
+    with Session(client, config) as session:
+        assert np.linalg.norm(session.tare(readings=[reading] * 20).bias.force) == pytest.approx(np.sqrt(10))
+        session.change(tasks=config.tasks)
+        answer = session.step(Q, wrench=[3, 0, -1, 0, 0.1, 0])
+        assert answer.wrench is not None
+        assert answer.wrench.force == pytest.approx([0, 0, 0], abs=1e-12)
+        moving = RestReading(joint_position=Q + 0.1, wrench=reading.wrench)
+        with pytest.raises(InvalidError, match="tare with an arm that rests"):
+            session.tare(readings=[reading] * 20 + [moving])

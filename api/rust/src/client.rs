@@ -109,6 +109,16 @@ impl Client {
         self.post("/v1/stability", request)
     }
 
+    /// Identifies bias and payload of a wrench sensor. `POST /v1/payload`
+    pub fn payload(&self, request: &wire::PayloadRequest) -> Result<wire::PayloadAnswer, ClientError> {
+        self.post("/v1/payload", request)
+    }
+
+    /// Tares a wrench sensor of a session. `POST /v1/controllers/{id}/tare`
+    pub fn tare(&self, id: &str, request: &wire::TareRequest) -> Result<wire::TareAnswer, ClientError> {
+        self.post(&format!("/v1/controllers/{id}/tare"), request)
+    }
+
     /// Lists the robots. `GET /v1/robots`
     pub fn robots(&self) -> Result<wire::RobotList, ClientError> {
         let url = format!("{}/v1/robots", self.base);

@@ -12,6 +12,8 @@ export type KinematicsAnswer = Schemas["KinematicsAnswer"];
 export type KinematicsRequest = Schemas["KinematicsRequest"];
 export type Law = Schemas["Law"];
 export type Memory = Schemas["Memory"];
+export type PayloadAnswer = Schemas["PayloadAnswer"];
+export type PayloadRequest = Schemas["PayloadRequest"];
 export type Problem = Schemas["Problem"];
 export type ResolveAnswer = Schemas["ResolveAnswer"];
 export type ResolveRequest = Schemas["ResolveRequest"];
@@ -32,7 +34,10 @@ export type StepAnswer = Schemas["StepAnswer"];
 export type StepRequest = Schemas["StepRequest"];
 export type StreamedTarget = Schemas["StreamedTarget"];
 export type Streaming = Schemas["Streaming"];
+export type TareAnswer = Schemas["TareAnswer"];
+export type TareRequest = Schemas["TareRequest"];
 export type Wrench = Schemas["Wrench"];
+export type WrenchSensor = Schemas["WrenchSensor"];
 
 /** Measured values of one period: a state without its number. Default of `time_s`: sequence number times period. */
 export type Measurement = Omit<State, "sequence" | "time_s"> & { time_s?: number };

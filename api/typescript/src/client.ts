@@ -3,6 +3,8 @@ import type {
   CreatedController,
   KinematicsAnswer,
   KinematicsRequest,
+  PayloadAnswer,
+  PayloadRequest,
   Problem,
   ResolveAnswer,
   ResolveRequest,
@@ -43,6 +45,14 @@ export class Client extends Connection {
   /** Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping. */
   stability(request: StabilityRequest, options?: CallOptions): Promise<StabilityAnswer> {
     return this.call("POST", "/v1/stability", request, options);
+  }
+
+  /**
+   * Identifies bias and payload of a wrist sensor from readings at rest in six postures or more. `bias` and `payload` of
+   * the answer fit into `wrench_sensor` of a controller.
+   */
+  payload(request: PayloadRequest, options?: CallOptions): Promise<PayloadAnswer> {
+    return this.call("POST", "/v1/payload", request, options);
   }
 
   /** Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you. */

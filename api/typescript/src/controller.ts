@@ -1,4 +1,4 @@
-import type { Controller, CreatedController, Memory, SessionStatus, State, StepAnswer } from "./bodies.js";
+import type { Controller, CreatedController, Memory, SessionStatus, State, StepAnswer, TareAnswer, TareRequest } from "./bodies.js";
 import type { CallOptions, Connection } from "./connection.js";
 import { Stepping } from "./stepping.js";
 import { Stream } from "./stream.js";
@@ -32,6 +32,14 @@ export class Session extends Stepping {
    */
   async replace(controller: Controller, options: CallOptions = {}): Promise<void> {
     this.created = await this.connection.call<CreatedController>("PUT", this.path(), controller, options);
+  }
+
+  /**
+   * Tares a wrench sensor with 20 readings or more of an arm that rests and touches nothing. The stated payload counts.
+   * The next state gets the bias; put it into `wrench_sensor` of a controller that replaces this one.
+   */
+  tare(request: TareRequest, options: CallOptions = {}): Promise<TareAnswer> {
+    return this.connection.call<TareAnswer>("POST", `${this.path()}/tare`, request, options);
   }
 
   /** Opens a WebSocket to the same controller, for loops too fast for single requests. Closing it keeps the session. */

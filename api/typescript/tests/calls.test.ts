@@ -32,6 +32,18 @@ suite("calls", () => {
     await assert.rejects(client.robot("no/such"), { status: 404 });
   });
 
+  test("a payload is identified, and a session is tared", async (t) => {
+    const client = testClient((await serve(t)).url);
+    const found = await client.payload(example("payload"));
+    assert.ok(found.axes_verified && Math.abs(found.payload.mass_kg - 0.5) < 0.05);
+    const session = await client.session(CONTROLLER);
+    const reading = { joint_position: POSTURE, wrench: { force: [3, 0, -1], torque: [0, 0.1, 0] } };
+    assert.ok((await session.tare({ readings: Array(20).fill(reading) })).force_noise_n < 1e-9);
+    const answer = await session.step(reading);
+    assert.ok(answer.wrench!.force.every((force) => Math.abs(force) < 1e-9));
+    await session.close();
+  });
+
   test("a number that is not finite is refused and not sent as null", async () => {
     await assert.rejects(new Client("http://127.0.0.1:9").resolve({ ...PUSH, period_s: NaN }), /period_s: every number/);
   });

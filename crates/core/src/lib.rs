@@ -175,6 +175,7 @@ pub mod resolution;
 pub mod rows;
 pub mod streaming;
 pub mod tolerances;
+pub mod wrench;
 
 pub use revprio_problem as problem;
 pub use revprio_robot as robot;

@@ -1,13 +1,17 @@
 //! Payload and bias of a wrist sensor, from its readings in several postures.
 //!
 //! At rest the sensor measures f = f_b + m g and t = t_b + (m c) × g, with the gravity g along its own axes. The mass m, its first
-//! moment m c and the biases are ten unknowns, which least squares finds. The sign of the mass tells the sign of the sensor, and the
-//! residual tells axes that are swapped.
+//! moment m c and the biases are ten unknowns, which least squares finds. [`axes`] tells a wrong sign and exchanged axes: the weight of
+//! the tool has a known direction.
+
+mod axes;
+mod reading;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Acceleration of gravity, m/s².
-pub const GRAVITY: f64 = 9.81;
+use self::axes::AxesCheck;
+pub use self::axes::{AXES_EVIDENCE, AxisAssignment};
+pub use self::reading::PayloadReading;
 
 /// Smallest number of postures.
 pub const MIN_POSTURES: usize = 6;
@@ -18,19 +22,14 @@ const MAX_CONDITION: f64 = 8.0;
 /// Uncertainties by which the mass must differ from zero to have a sign.
 const SIGMAS: f64 = 5.0;
 
+/// Allowed magnitudes of gravity, m/s²: the Moon has 1.6.
+const GRAVITY_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+
+/// Relative difference of the magnitudes of gravity in two readings. It covers rounded directions.
+const GRAVITY_TOLERANCE: f64 = 2e-3;
+
 /// Residual over the noise above which the readings are not those of a payload.
 const MAX_RESIDUAL: f64 = 3.0;
-
-/// One reading at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PayloadReading {
-    /// Direction of gravity along the axes of the sensor, of length one.
-    pub gravity: Vector3<f64>,
-    /// Force on the tool, N, along the axes of the sensor.
-    pub force: Vector3<f64>,
-    /// Torque on the tool, N·m, at the sensor.
-    pub torque: Vector3<f64>,
-}
 
 /// Payload and bias.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +52,8 @@ pub struct Payload {
     pub torque_residual: f64,
     /// How similar the postures are: 1 at best; large if gravity has similar directions in all of them.
     pub condition: f64,
+    /// Whether the readings rule out every other assignment of the axes.
+    pub axes_verified: bool,
 }
 
 /// Why a payload is not found.
@@ -61,8 +62,11 @@ pub enum PayloadError {
     /// There are too few readings.
     #[error("{0} readings; give at least six, with gravity along each axis of the sensor in both directions")]
     Few(usize),
-    /// A number is not finite, or a direction of gravity is not of length one.
-    #[error("the numbers must be finite, and the direction of gravity of length one")]
+    /// The noise is not positive.
+    #[error("the noise must be a positive number, of the force in N and of the torque in N·m")]
+    Noise,
+    /// A number is not finite, or gravity is none or differs between readings.
+    #[error("the numbers must be finite, and gravity an acceleration of 0.1 to 100 m/s², the same in all readings")]
     NotFinite {
         /// Index of the reading, from 0.
         reading: usize,
@@ -78,16 +82,13 @@ pub enum PayloadError {
         /// Direction of gravity along the axes of the sensor that the readings lack most.
         add: [f64; 3],
     },
-    /// The mass is negative.
-    #[error("the mass is {mass:.3} kg: the sensor has the wrong sign, it measures the force on the environment")]
-    WrongSign {
-        /// The mass, kg.
-        mass: f64,
-    },
+    /// The readings fit better to other axes.
+    #[error("{0}")]
+    Axes(AxisAssignment),
     /// The readings are not those of a mass.
     #[error(
-        "the forces differ from those of a mass by {residual:.2} N rms, at a noise of {noise:.2} N: axes are swapped, the \
-         orientation is wrong, or something touches the tool"
+        "the forces differ from those of a mass by {residual:.2} N rms, at a noise of {noise:.2} N: the pose of the sensor is wrong, \
+         something touches the tool, or the arm moved"
     )]
     Residual {
         /// The residual, N.
@@ -106,27 +107,26 @@ pub fn identify(readings: &[PayloadReading], noise: [f64; 2]) -> Result<Payload,
     if readings.len() < MIN_POSTURES {
         return Err(PayloadError::Few(readings.len()));
     }
-    let is_valid = |reading: &PayloadReading| {
-        let entries = reading.gravity.iter().chain(&reading.force).chain(&reading.torque);
-        entries.copied().all(f64::is_finite) && (reading.gravity.norm() - 1.0).abs() < 1e-3
-    };
-    if let Some(reading) = readings.iter().position(|reading| !is_valid(reading)) {
-        return Err(PayloadError::NotFinite { reading });
+    if !noise.iter().all(|noise| noise.is_finite() && *noise > 0.0) {
+        return Err(PayloadError::Noise);
     }
+    check_readings(readings)?;
     let condition = check_postures(readings)?;
+    let axes = AxesCheck::new(readings, noise[0]);
+    if let Some(better) = axes.better() {
+        return Err(PayloadError::Axes(better));
+    }
     let (mass, force_bias, mass_uncertainty) = force_part(readings, noise[0]);
     let (moment, torque_bias, moment_uncertainty) = torque_part(readings, noise[1]);
     let residual = |of: &dyn Fn(&PayloadReading) -> Vector3<f64>| {
         let squares: f64 = readings.iter().map(|reading| of(reading).norm_squared()).sum();
         (squares / (3.0 * readings.len() as f64)).sqrt()
     };
-    let force_residual = residual(&|r| r.force - force_bias - GRAVITY * mass * r.gravity);
-    let torque_residual = residual(&|r| r.torque - torque_bias - GRAVITY * moment.cross(&r.gravity));
-    if force_residual > MAX_RESIDUAL * noise[0] {
+    let force_residual = residual(&|r| r.force - force_bias - mass * r.gravity);
+    let torque_residual = residual(&|r| r.torque - torque_bias - moment.cross(&r.gravity));
+    // Also a residual that overflows.
+    if !(force_residual <= MAX_RESIDUAL * noise[0] && torque_residual.is_finite()) {
         return Err(PayloadError::Residual { residual: force_residual, noise: noise[0] });
-    }
-    if mass < -SIGMAS * mass_uncertainty {
-        return Err(PayloadError::WrongSign { mass });
     }
     let has_mass = mass > SIGMAS * mass_uncertainty;
     Ok(Payload {
@@ -139,12 +139,29 @@ pub fn identify(readings: &[PayloadReading], noise: [f64; 2]) -> Result<Payload,
         force_residual,
         torque_residual,
         condition,
+        axes_verified: axes.are_verified(),
     })
+}
+
+/// Refuses numbers that are none, and gravity that is none.
+fn check_readings(readings: &[PayloadReading]) -> Result<(), PayloadError> {
+    let first = readings[0].gravity.norm();
+    let is_valid = |reading: &PayloadReading| {
+        let entries = reading.force.iter().chain(&reading.torque);
+        let gravity = reading.gravity.norm();
+        entries.copied().all(f64::is_finite)
+            && GRAVITY_RANGE.contains(&gravity)
+            && (gravity - first).abs() <= GRAVITY_TOLERANCE * first
+    };
+    match readings.iter().position(|reading| !is_valid(reading)) {
+        Some(reading) => Err(PayloadError::NotFinite { reading }),
+        None => Ok(()),
+    }
 }
 
 /// Returns the condition of the postures, if they tell a payload from a bias.
 fn check_postures(readings: &[PayloadReading]) -> Result<f64, PayloadError> {
-    let directions: Vec<_> = readings.iter().map(|reading| reading.gravity).collect();
+    let directions: Vec<_> = readings.iter().map(|reading| reading.gravity.normalize()).collect();
     let condition = condition(&directions);
     if condition <= MAX_CONDITION {
         return Ok(condition);
@@ -172,10 +189,9 @@ fn condition(directions: &[Vector3<f64>]) -> f64 {
 fn force_part(readings: &[PayloadReading], noise: f64) -> (f64, Vector3<f64>, f64) {
     let (mut normal, mut right) = (Normal::zeros(), SVector::<f64, 4>::zeros());
     for PayloadReading { gravity, force, .. } in readings {
-        let g = GRAVITY * gravity;
         for axis in 0..3 {
             let mut row = SVector::<f64, 4>::zeros();
-            (row[0], row[1 + axis]) = (g[axis], 1.0);
+            (row[0], row[1 + axis]) = (gravity[axis], 1.0);
             normal += row * row.transpose();
             right += row * force[axis];
         }
@@ -190,7 +206,7 @@ fn torque_part(readings: &[PayloadReading], noise: f64) -> (Vector3<f64>, Vector
     let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
     for PayloadReading { gravity, torque, .. } in readings {
         let mut rows = SMatrix::<f64, 3, 6>::zeros();
-        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-(GRAVITY * gravity).cross_matrix()));
+        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-gravity.cross_matrix()));
         rows.fixed_view_mut::<3, 3>(0, 3).copy_from(&Matrix3::identity());
         normal += rows.transpose() * rows;
         right += rows.transpose() * torque;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::clock::Instant;
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement, Memory, Stepper};
+use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Memory, Stepper};
 use revprio_core::linalg::Vector;
 
 use super::convert;
@@ -139,6 +139,24 @@ impl ControlLoop {
         self.memory = continued.map_err(|error| convert::transition_error(&error))?;
         self.stepper = stepper;
         Ok(())
+    }
+
+    /// Tares a wrench sensor. The next state gets its bias; all else that the controller remembers stays. `controller`: that of the
+    /// request. Returns the answer and the controller with the bias. On an error nothing changes.
+    pub fn tare(
+        &mut self,
+        request: &wire::TareRequest,
+        controller: &wire::Controller,
+    ) -> Result<(wire::TareAnswer, wire::Controller), ApiError> {
+        let config = self.controller().config();
+        let (answer, tared, sensors) = convert::tared(request, controller, config)?;
+        let with_bias = ControllerConfig { wrench_sensors: sensors, ..config.clone() };
+        let with_bias = Controller::new(with_bias).map_err(|error| ApiError::invalid("/readings", error))?;
+        self.stepper = CheckedStepper::new(&tared, with_bias)?;
+        if let Some(memory) = &mut self.memory {
+            memory.wrench_sensors.clear();
+        }
+        Ok((answer, tared))
     }
 
     /// Reads a state and refuses one beyond the bounds of the controller.

@@ -45,6 +45,7 @@ impl LocalService {
             ("POST", "/v1/step") => write(&self.step(&read(body)?)?),
             ("POST", "/v1/kinematics") => write(&convert::kinematics(&read(body)?, &self.robots)?),
             ("POST", "/v1/stability") => write(&stability(&read(body)?)?),
+            ("POST", "/v1/payload") => write(&convert::payload(&read(body)?, &self.robots)?),
             ("GET", "/v1/robots") => {
                 let robots = self.robots.all().iter().map(|robot| convert::robot_answer(robot)).collect();
                 write(&wire::RobotList { robots })

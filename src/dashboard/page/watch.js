@@ -95,7 +95,7 @@ export class Watch {
       joint_velocity: answer.joint_velocity,
       position: arm?.tool.position ?? [0, 0, 0],
       orientation: arm ? [arm.tool.orientation.w, arm.tool.orientation.x, arm.tool.orientation.y, arm.tool.orientation.z] : [1, 0, 0, 0],
-      force: (state.wrench?.force ?? [0, 0, 0]).map((value) => sign * value),
+      force: answer.wrench?.force ?? (state.wrench?.force ?? [0, 0, 0]).map((value) => sign * value),
       target_force: targets(this.session, answer),
       wall_distance_m: null,
       residual_norms: answer.tasks.map((task) => task.residual_norm),

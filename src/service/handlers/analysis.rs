@@ -29,6 +29,24 @@ pub async fn stability(
     Ok(Answer(convert::margin_answer(&margin)))
 }
 
+/// Identifies bias and payload of a wrench sensor.
+///
+/// From readings at rest in six postures or more: bias, mass and centre of mass, with residual, uncertainty and condition. Similar postures
+/// are refused with the posture to add, and a wrong sign or exchanged axes by their names.
+#[utoipa::path(
+    post,
+    path = "/v1/payload",
+    tag = "analysis",
+    request_body = wire::PayloadRequest,
+    responses((status = 200, body = wire::PayloadAnswer, description = "Bias and payload, as `wrench_sensor` has them."))
+)]
+pub async fn payload(
+    State(app): Shared,
+    Body(request): Body<wire::PayloadRequest>,
+) -> Result<Answer<wire::PayloadAnswer>, ApiError> {
+    convert::payload(&request, &app.robots).map(Answer)
+}
+
 /// Computes the kinematics of an arm.
 ///
 /// Tool pose, Jacobian, singular values and link frames at a posture.

@@ -202,6 +202,27 @@ pub async fn replace_controller(
     Box::pin(app.sessions.replace(&id, controller, &owner)).await.map(Answer)
 }
 
+/// Tares a wrench sensor of a session.
+///
+/// Finds the bias of the sensor from readings of an arm that rests in one posture and touches nothing. The stated payload counts, so the
+/// wrench stays right in every other posture. Refused while the arm moves or the wrench is noisy.
+#[utoipa::path(
+    post,
+    path = "/v1/controllers/{id}/tare",
+    tag = "control",
+    request_body = wire::TareRequest,
+    params(Owner),
+    responses((status = 200, body = wire::TareAnswer, description = "The next state gets the bias."))
+)]
+pub async fn tare_controller(
+    State(app): Shared,
+    Segment(id): Segment,
+    owner: Owner,
+    Body(request): Body<wire::TareRequest>,
+) -> Result<Answer<wire::TareAnswer>, ApiError> {
+    app.sessions.tare(&id, &request, &owner).await.map(Answer)
+}
+
 /// Ends a session.
 ///
 /// Deletes its memory and closes its streams.

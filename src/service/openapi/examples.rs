@@ -28,7 +28,7 @@ macro_rules! examples {
     };
 }
 
-const EXAMPLES: [Example; 41] = examples! {
+const EXAMPLES: [Example; 43] = examples! {
     post "/v1/resolve" "resolve" => "resolve";
     post "/v1/resolve" "resolve_everything" => "resolve_everything";
     post "/v1/resolve" "resolve_limits" => "resolve_limits";
@@ -52,10 +52,12 @@ const EXAMPLES: [Example; 41] = examples! {
     get "/v1/controllers/{id}" => "session";
     put "/v1/controllers/{id}" "controller_replaced" => "controller_replaced";
     post "/v1/controllers/{id}/step" "state" => "state";
+    post "/v1/controllers/{id}/tare" "tare" => "tare";
     post "/v1/kinematics" "kinematics" => "kinematics";
     post "/v1/kinematics" "kinematics_link" => "kinematics_link";
     post "/v1/stability" "stability" => "stability";
     post "/v1/stability" "stability_impedance" => "stability_impedance";
+    post "/v1/payload" "payload" => "payload";
     get "/v1/robots" => "robots";
     post "/v1/robots" "robot" => "robot";
     post "/v1/robots" "robot_two_arms" => "robot_two_arms";
@@ -97,6 +99,14 @@ pub fn complete(document: &mut Value) {
         "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 12_000.0, 0.0], "swing": [1.0, 0.2, 0.3],
         "is_above": false
     }]]);
+    let wrench = json!({"force": [0.0, 0.0, 14.9], "torque": [0.1, 0.0, 0.0]});
+    let schemas = &mut document["components"]["schemas"];
+    schemas["StepAnswer"]["properties"]["wrench"]["examples"] = json!([wrench]);
+    schemas["WrenchSensorMemory"]["properties"]["filtered"]["examples"] = json!([wrench]);
+    for schema in ["WrenchSensor", "PayloadRequest"] {
+        schemas[schema]["properties"]["pose"]["examples"] =
+            json!([{"position": [0.0, 0.0, 0.05], "orientation": {"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0}}]);
+    }
     document["components"]["schemas"]["RobotRegistration"]["properties"]["shapes"]["examples"] = json!(["fit"]);
     let report = &parsed(STEP_IN_A_ROOM)["collisions"];
     document["components"]["schemas"]["LiveRoom"]["properties"]["report"]["examples"] = json!([report]);
@@ -104,6 +114,9 @@ pub fn complete(document: &mut Value) {
     for schema in ["ContactReport", "ContactMemory"] {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
         document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);
+    }
+    {
+        document["components"]["schemas"]["ContactReport"]["properties"]["event"]["examples"] = json!(["contact"]);
     }
     document["components"]["schemas"]["ObstacleMotion"]["properties"]["displacement"]["examples"] =
         json!([{"kind": "constant", "value": [0.0, 0.1, 0.0]}]);

@@ -7,18 +7,20 @@ use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
 use revprio_core::limits::MAX_DRIVE_DELAY;
+use revprio_core::payload::MIN_POSTURES;
 use revprio_core::streaming::{
     MAX_ACTIONS, MAX_FORESIGHT, MAX_KEPT_ACTIONS, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL,
 };
+use revprio_core::wrench::MIN_TARE_READINGS;
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
 
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
-    CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S, MAX_MAGNITUDE,
-    MAX_PERIOD_S, MAX_POINTS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS,
-    MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED, RATE_PER_S,
+    CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_FILTER_S, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S,
+    MAX_MAGNITUDE, MAX_PAYLOAD_KG, MAX_PERIOD_S, MAX_POINTS, MAX_READINGS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED,
+    MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED, RATE_PER_S,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -176,6 +178,30 @@ fn request_ranges() -> Vec<FieldRange> {
     }
 }
 
+/// Returns the ranges of fields of wrench sensors, and of the requests about them.
+fn sensor_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        wire::WrenchSensor {
+            gravity: Items(3, 3),
+            filter_time_s: Between(0.0, MAX_FILTER_S),
+            deadband_n: NotNegative,
+            deadband_nm: NotNegative,
+        }
+        wire::Payload {
+            mass_kg: Between(0.0, MAX_PAYLOAD_KG),
+            center_of_mass: Items(3, 3),
+        }
+        wire::TareRequest { readings: Items(MIN_TARE_READINGS, MAX_READINGS) }
+        wire::PayloadRequest {
+            gravity: Items(3, 3),
+            force_noise_n: Positive,
+            torque_noise_nm: Positive,
+            readings: Items(MIN_POSTURES, MAX_READINGS),
+        }
+        wire::PayloadReading { gravity: Items(3, 3) }
+    }
+}
+
 /// Returns the ranges of fields of laws.
 fn law_ranges() -> Vec<FieldRange> {
     field_ranges! {
@@ -211,6 +237,7 @@ fn memory_ranges() -> Vec<FieldRange> {
             sums: Items(4, 4),
             swing: Items(3, 3),
         }
+        wire::WrenchSensorMemory { velocity: Items(3, 3) }
         wire::RestState { fading_since_s: Between(-MAX_TIME_S, MAX_TIME_S) }
         wire::Progress {
             slow_since_s: Between(-MAX_TIME_S, MAX_TIME_S),
@@ -306,6 +333,14 @@ fn answer_ranges() -> Vec<FieldRange> {
         wire::Singularity { smallest_singular_value: NotNegative, manipulability: NotNegative }
         wire::ResolveAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
         wire::StepAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
+        wire::TareAnswer { force_noise_n: NotNegative, torque_noise_nm: NotNegative }
+        wire::PayloadAnswer {
+            mass_uncertainty_kg: NotNegative,
+            center_of_mass_uncertainty_m: NotNegative,
+            force_residual_n: NotNegative,
+            torque_residual_nm: NotNegative,
+            condition: Between(0.0, 8.0),
+        }
         wire::StabilityAnswer {
             spectral_radius: NotNegative,
             largest_lag_s: NotNegative,
@@ -342,7 +377,7 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [request_ranges(), sensor_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;

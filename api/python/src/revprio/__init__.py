@@ -43,6 +43,7 @@ resolve = LOCAL.resolve
 resolve_batch = LOCAL.resolve_batch
 kinematics = LOCAL.kinematics
 stability = LOCAL.stability
+payload = LOCAL.payload
 step = LOCAL.step
 session = LOCAL.session
 stateless = LOCAL.stateless

@@ -22,6 +22,8 @@ from revprio.models import (
     KinematicsRequest,
     Memory,
     ObstacleState,
+    PayloadAnswer,
+    PayloadRequest,
     ResolveAnswer,
     ResolveRequest,
     Robot,
@@ -39,6 +41,8 @@ from revprio.models import (
     StepAnswer,
     StepRequest,
     StreamedTarget,
+    TareAnswer,
+    TareRequest,
     Wrench,
 )
 from revprio.retry import RetryBudget, no_answer
@@ -206,6 +210,15 @@ class AsyncClient:
         """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
         return await self.call(routes.STABILITY(body=request))
 
+    @fields_of(PayloadRequest)
+    async def payload(self, request: PayloadRequest) -> PayloadAnswer:
+        """Identifies bias and payload of a wrist sensor from readings at rest in six postures or more.
+
+        `bias` and `payload` of the answer fit into a `WrenchSensor`. Similar postures, a wrong sign and exchanged axes
+        raise an `InvalidError` that says which posture to add, or what is exchanged.
+        """
+        return await self.call(routes.PAYLOAD(body=request))
+
     @fields_of(StepRequest)
     async def step(self, request: StepRequest) -> StepAnswer:
         """Runs one control period of a stateless controller; `stateless` keeps the memory between periods for you."""
@@ -351,6 +364,19 @@ class AsyncSession(AsyncController):
     async def status(self) -> SessionStatus:
         """Returns the configuration, the last sequence number and counters."""
         return await self._client.call(routes.SHOW_CONTROLLER(self.id))
+
+    @fields_of(TareRequest)
+    async def tare(self, request: TareRequest) -> TareAnswer:
+        """Tares the wrench sensor: `session.tare(readings=[…])`, with 20 readings or more.
+
+        The arm must rest and touch nothing. The stated payload counts, so the wrench stays right in every posture. The
+        next state gets the bias, and `config` has it.
+        """
+        answer = await self._client.call(routes.TARE_CONTROLLER(self.id, body=request))
+        tared = (await self.status()).controller
+        sensors = {"wrench_sensor": tared.wrench_sensor, "wrench_sensors": tared.wrench_sensors}
+        self.config = config_with(self.config, {name: value for name, value in sensors.items() if value})
+        return answer
 
     def stream(self) -> AsyncStream:
         """Opens a WebSocket to the same controller, for loops that are too fast for single requests.

@@ -13,6 +13,8 @@ from revprio.models import (
     ControllerConfig,
     KinematicsAnswer,
     KinematicsRequest,
+    PayloadAnswer,
+    PayloadRequest,
     ResolveAnswer,
     ResolveRequest,
     Robot,
@@ -60,6 +62,15 @@ class Calls(ABC):
     def stability(self, request: StabilityRequest) -> StabilityAnswer:
         """Returns stability margins of one axis in contact: maximum lag (s) and delay (periods), minimum damping."""
         return self.call(routes.STABILITY(body=request))
+
+    @fields_of(PayloadRequest)
+    def payload(self, request: PayloadRequest) -> PayloadAnswer:
+        """Identifies bias and payload of a wrist sensor from readings at rest in six postures or more.
+
+        `bias` and `payload` of the answer fit into a `WrenchSensor`. Similar postures, a wrong sign and exchanged axes
+        raise an `InvalidError` that says which posture to add, or what is exchanged.
+        """
+        return self.call(routes.PAYLOAD(body=request))
 
     @fields_of(StepRequest)
     def step(self, request: StepRequest) -> StepAnswer:

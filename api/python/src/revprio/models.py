@@ -107,7 +107,6 @@ __all__ = [
     "LinkFrame",
     "LinkShape",
     "LiveFrame",
-    "LiveRoom",
     "LiveSample",
     "LookAtLaw",
     "Memory",
@@ -124,6 +123,10 @@ __all__ = [
     "PairDistance",
     "Path",
     "PathCounts",
+    "Payload",
+    "PayloadAnswer",
+    "PayloadReading",
+    "PayloadRequest",
     "PerAxisBool",
     "PlaneInequality",
     "Pose",
@@ -142,6 +145,7 @@ __all__ = [
     "ResolveRequest",
     "ResolveTask",
     "RestNullSpaceMotion",
+    "RestReading",
     "RestState",
     "Robot",
     "RobotChain",
@@ -189,6 +193,8 @@ __all__ = [
     "StreamedTarget",
     "Streaming",
     "StuckTask",
+    "TareAnswer",
+    "TareRequest",
     "TargetAhead",
     "TargetPose",
     "TargetReference",
@@ -210,6 +216,8 @@ __all__ = [
     "Wrench",
     "WrenchConvention",
     "WrenchFrame",
+    "WrenchSensor",
+    "WrenchSensorMemory",
 ]
 
 
@@ -541,9 +549,12 @@ class ContactReport(Answer):
     - surface_velocity: Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
     - unavoidable_peak: Peak force that no controller can avoid at this approach speed in the stiffest contact, N or
       N·m.
+    - event: The state that began in this period; absent in all others. Count these to count contacts and losses.
     - fault: Why the contact is given up; only in the state `fault`.
+    - force: Measured force along the pressing direction, N or N·m.
     - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
     - stiffness_uncertainty: Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    - target_force: Target force along the pressing direction, N or N·m.
     """
 
     approach_speed: float
@@ -560,12 +571,18 @@ class ContactReport(Answer):
     """Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s."""
     unavoidable_peak: float
     """Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m."""
+    event: ContactState | None = None
+    """The state that began in this period; absent in all others. Count these to count contacts and losses."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    force: float | None = None
+    """Measured force along the pressing direction, N or N·m."""
     stiffness: float | None = None
     """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
     stiffness_uncertainty: float | None = None
     """Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known."""
+    target_force: float | None = None
+    """Target force along the pressing direction, N or N·m."""
 
 
 TargetState = Literal["following", "extrapolating", "holding", "braking"]
@@ -2406,6 +2423,83 @@ WrenchFrame = Literal["base", "tool"]
 """The axes of the wrench in a state."""
 
 
+class Wrench(Body):
+    """Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
+
+    Fields:
+
+    - force: Force x, y, z, N. Shape: 3.
+    - torque: Torque x, y, z, N·m. Shape: 3.
+    """
+
+    force: Vector
+    """Force x, y, z, N. Shape: 3."""
+    torque: Vector
+    """Torque x, y, z, N·m. Shape: 3."""
+
+
+class Payload(Body):
+    """Mass and centre of mass of what a sensor carries.
+
+    Fields:
+
+    - mass_kg: Mass, kg.
+    - center_of_mass: Centre of mass x, y, z from the origin of the sensor, along its axes, m; default: the origin.
+      Shape: 3.
+    """
+
+    mass_kg: float
+    """Mass, kg."""
+    center_of_mass: Vector | None = None
+    """Centre of mass x, y, z from the origin of the sensor, along its axes, m; default: the origin. Shape: 3."""
+
+
+class WrenchSensor(Body):
+    """A force and torque sensor, and what the controller corrects in its readings. The wrench of a state then is the
+    raw reading, about the origin of the sensor, along the axes of the sensor (`"wrench_frame": "tool"`) or of the base.
+    In this order: the bias is subtracted; the sign becomes that of `wrench_convention`; weight and inertia of the
+    payload are subtracted; low-pass; deadband; the wrench is moved to the tip. Answers have the result in `wrench`.
+
+    Fields:
+
+    - bias: Reading without contact and without payload, along the axes of the sensor, as `POST
+      /v1/controllers/{id}/tare` or `POST /v1/payload` finds it; default 0.
+    - compensate_inertia: Whether the inertia of the payload is subtracted, with the acceleration of the commands
+      behind `drive`. Set it for heavy tools, whose acceleration would look like a contact; default `false`.
+    - deadband_n: Forces that are shorter count as zero, N; default 0.
+    - deadband_nm: Torques that are shorter count as zero, N·m; default 0.
+    - filter_time_s: Time constant of a first-order low-pass, s. The law `contact` counts its lag. Set it only for a
+      noisy sensor: it costs speed. Default 0, none.
+    - gravity: Acceleration of gravity along the axes of the base, m/s². Set it for an arm on a wall or a ceiling;
+      default [0, 0, -9.81]. Shape: 3.
+    - payload: What the sensor carries: all that moves with the tool; default: nothing.
+    - pose: Pose of the sensor in the robot's own tool frame, as `tool_offset`, or in the frame of the tip, m.
+      Default: the tool point.
+    """
+
+    bias: Wrench | None = None
+    """Reading without contact and without payload, along the axes of the sensor, as `POST /v1/controllers/{id}/tare` or
+    `POST /v1/payload` finds it; default 0."""
+    compensate_inertia: bool | None = None
+    """Whether the inertia of the payload is subtracted, with the acceleration of the commands behind `drive`. Set it
+    for heavy tools, whose acceleration would look like a contact; default `false`."""
+    deadband_n: float | None = None
+    """Forces that are shorter count as zero, N; default 0."""
+    deadband_nm: float | None = None
+    """Torques that are shorter count as zero, N·m; default 0."""
+    filter_time_s: float | None = None
+    """Time constant of a first-order low-pass, s. The law `contact` counts its lag. Set it only for a noisy sensor: it
+    costs speed. Default 0, none."""
+    gravity: Vector | None = None
+    """Acceleration of gravity along the axes of the base, m/s². Set it for an arm on a wall or a ceiling; default [0,
+    0, -9.81]. Shape: 3."""
+    payload: Payload | None = None
+    """What the sensor carries: all that moves with the tool; default: nothing."""
+    pose: Pose | None = None
+    """Pose of the sensor in the robot's own tool frame, as `tool_offset`, or in the frame of the tip, m. Default: the
+    tool point."""
+
+
 class ControllerConfig(Body):
     """A controller: robot, tasks with their laws, method, solver, limits and control period.
 
@@ -2455,6 +2549,10 @@ class ControllerConfig(Body):
       that measures the force on the tool; a wrong sign makes contacts unstable. Default `on_environment`.
     - wrench_frame: Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default
       `base`.
+    - wrench_sensor: Sensor of the wrench, and what is corrected in its readings: bias, payload, place, noise. Set
+      it for a wrist sensor; default: the wrench of a state is that at the tool point, without the weight of the
+      tool.
+    - wrench_sensors: Sensors of tips other than the tool, by the name of the tip; default: none.
     """
 
     period_s: float
@@ -2521,6 +2619,11 @@ class ControllerConfig(Body):
     on the tool; a wrong sign makes contacts unstable. Default `on_environment`."""
     wrench_frame: WrenchFrame | None = None
     """Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default `base`."""
+    wrench_sensor: WrenchSensor | None = None
+    """Sensor of the wrench, and what is corrected in its readings: bias, payload, place, noise. Set it for a wrist
+    sensor; default: the wrench of a state is that at the tool point, without the weight of the tool."""
+    wrench_sensors: dict[str, WrenchSensor] | None = None
+    """Sensors of tips other than the tool, by the name of the tip; default: none."""
 
 
 class CreatedController(Answer):
@@ -2917,8 +3020,6 @@ class SimulationMetrics(Answer):
     - final_force_n: F_x at the end, N.
     - first_contact_s: Time of the first contact, s.
     - largest_joint_speed_rad_s: Maximum joint speed, rad/s.
-    - least_distance_m: Least distance of the pairs of shapes that the controller watches, m; `null` without such a
-      pair.
     - overshoot_n: Maximum excess of F_x over its target, N.
     - overshoot_percent: Maximum excess of F_x over its target, % of the target.
     - peak_force_n: Maximum F_x, N.
@@ -2938,8 +3039,6 @@ class SimulationMetrics(Answer):
     """Time of the first contact, s."""
     largest_joint_speed_rad_s: float | None = None
     """Maximum joint speed, rad/s."""
-    least_distance_m: float | None = None
-    """Least distance of the pairs of shapes that the controller watches, m; `null` without such a pair."""
     overshoot_n: float | None = None
     """Maximum excess of F_x over its target, N."""
     overshoot_percent: float | None = None
@@ -2993,39 +3092,6 @@ class Simulation(Answer):
     """Metrics of the run; only when it is finished."""
 
 
-class ObstacleState(Body):
-    """Where a moving obstacle is.
-
-    Fields:
-
-    - name: Name of the obstacle.
-    - position: Position of its middle in the base frame, m. Shape: 3.
-    - velocity: Its velocity, m/s; default: it stands. Shape: 3.
-    """
-
-    name: str
-    """Name of the obstacle."""
-    position: Vector
-    """Position of its middle in the base frame, m. Shape: 3."""
-    velocity: Vector | None = None
-    """Its velocity, m/s; default: it stands. Shape: 3."""
-
-
-class LiveRoom(Answer):
-    """The room around an arm in one control period.
-
-    Fields:
-
-    - obstacles: Where the moving obstacles are.
-    - report: Distances of the answer.
-    """
-
-    obstacles: list[ObstacleState]
-    """Where the moving obstacles are."""
-    report: CollisionReport
-    """Distances of the answer."""
-
-
 class LiveSample(Answer):
     """One control period, in single precision. Vectors of joints follow the robot's joint order.
 
@@ -3053,7 +3119,6 @@ class LiveSample(Answer):
     - time_s: Simulated time, s.
     - channels: Commands of the channels by name.
     - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
-    - room: The room around the arm; absent without collision avoidance, and before the first answer.
     - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
     """
 
@@ -3097,8 +3162,6 @@ class LiveSample(Answer):
     """Commands of the channels by name."""
     kkt_residual: float | None = None
     """Relative residual of the optimality conditions; `null` if there is none."""
-    room: LiveRoom | None = None
-    """The room around the arm; absent without collision avoidance, and before the first answer."""
     wall_distance_m: float | None = None
     """Distance to the wall, m, positive when free; `null` without a wall."""
 
@@ -3331,6 +3394,21 @@ class VirtualArm(Body):
     """Smoothed accelerations of the streamed targets, one list per stream, m/s² and rad/s²; default: none."""
 
 
+class WrenchSensorMemory(Body):
+    """What a wrench sensor remembers.
+
+    Fields:
+
+    - filtered: Wrench behind the low-pass, axes and origin of the sensor; default: the next reading sets it.
+    - velocity: Velocity of the centre of mass of the payload, base axes, m/s; default: unknown. Shape: 3.
+    """
+
+    filtered: Wrench | None = None
+    """Wrench behind the low-pass, axes and origin of the sensor; default: the next reading sets it."""
+    velocity: Vector | None = None
+    """Velocity of the centre of mass of the payload, base axes, m/s; default: unknown. Shape: 3."""
+
+
 class Memory(Body):
     """The memory of a controller. Clients send it back unchanged with the next state.
 
@@ -3361,6 +3439,8 @@ class Memory(Body):
     - valid_for_ms: Validity of the last answer, ms: how long the arm may have held its command. Default: unknown,
       then the next state counts as one period later, whatever its time.
     - virtual_arm: The virtual arm of laws that look ahead; default: none, or the next state starts anew.
+    - wrench_sensors: What the wrench sensors remember, the tool first, then the other tips in the order of the
+      robot; default: they start.
     """
 
     active_set: list[list[ActiveLimitName]]
@@ -3406,6 +3486,9 @@ class Memory(Body):
     state counts as one period later, whatever its time."""
     virtual_arm: VirtualArm | None = None
     """The virtual arm of laws that look ahead; default: none, or the next state starts anew."""
+    wrench_sensors: list[WrenchSensorMemory] | None = None
+    """What the wrench sensors remember, the tool first, then the other tips in the order of the robot; default: they
+    start."""
 
 
 class ObstacleMotion(Body):
@@ -3543,6 +3626,118 @@ Obstacle = Literal["limits", "singularity", "higher_tasks"]
 """What holds a task back."""
 
 
+class ObstacleState(Body):
+    """Where a moving obstacle is.
+
+    Fields:
+
+    - name: Name of the obstacle.
+    - position: Position of its middle in the base frame, m. Shape: 3.
+    - velocity: Its velocity, m/s; default: it stands. Shape: 3.
+    """
+
+    name: str
+    """Name of the obstacle."""
+    position: Vector
+    """Position of its middle in the base frame, m. Shape: 3."""
+    velocity: Vector | None = None
+    """Its velocity, m/s; default: it stands. Shape: 3."""
+
+
+class PayloadAnswer(Answer):
+    """Bias and payload. `bias` and `payload` fit into `wrench_sensor` of a controller as they are.
+
+    Fields:
+
+    - axes_verified: Whether the readings rule out every wrong sign and every exchange of axes; if not, the payload
+      is too light for the noise or the postures are too similar.
+    - bias: Reading without contact and without payload, along the axes of the sensor.
+    - condition: How similar the postures are: 1 at best; above 8 they are refused.
+    - force_residual_n: Residual of the forces, rms per axis, N. It is near the noise.
+    - mass_uncertainty_kg: Uncertainty of the mass, rms, kg.
+    - payload: Mass and centre of mass.
+    - readings: Number of readings.
+    - torque_residual_nm: Residual of the torques, rms per axis, N·m.
+    - center_of_mass_uncertainty_m: Uncertainty of the centre of mass, rms per axis, m; absent without payload.
+    """
+
+    axes_verified: bool
+    """Whether the readings rule out every wrong sign and every exchange of axes; if not, the payload is too light for
+    the noise or the postures are too similar."""
+    bias: Wrench
+    """Reading without contact and without payload, along the axes of the sensor."""
+    condition: float
+    """How similar the postures are: 1 at best; above 8 they are refused."""
+    force_residual_n: float
+    """Residual of the forces, rms per axis, N. It is near the noise."""
+    mass_uncertainty_kg: float
+    """Uncertainty of the mass, rms, kg."""
+    payload: Payload
+    """Mass and centre of mass."""
+    readings: int
+    """Number of readings."""
+    torque_residual_nm: float
+    """Residual of the torques, rms per axis, N·m."""
+    center_of_mass_uncertainty_m: float | None = None
+    """Uncertainty of the centre of mass, rms per axis, m; absent without payload."""
+
+
+class PayloadReading(Body):
+    """A reading of a sensor at rest. Give either the posture or the direction of gravity.
+
+    Fields:
+
+    - wrench: Measured wrench.
+    - gravity: Acceleration of gravity along the axes of the sensor, m/s², in place of `joint_position`. Shape: 3.
+    - joint_position: Measured joint position, rad or m, in joint order or by name.
+    """
+
+    wrench: Wrench
+    """Measured wrench."""
+    gravity: Vector | None = None
+    """Acceleration of gravity along the axes of the sensor, m/s², in place of `joint_position`. Shape: 3."""
+    joint_position: JointVector | None = None
+    """Measured joint position, rad or m, in joint order or by name."""
+
+
+class PayloadRequest(Body):
+    """`POST /v1/payload`: readings at rest in six postures or more, without contact.
+
+    Fields:
+
+    - readings: At least six readings, in postures that turn the sensor far: gravity along each of its axes in both
+      directions is best.
+    - force_noise_n: Noise of a reading, rms, N; of a mean, if the readings are means. Default 0.2.
+    - gravity: Acceleration of gravity along the axes of the base, m/s²; default [0, 0, -9.81]. Shape: 3.
+    - pose: Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame.
+    - robot: Name of the robot, from `GET /v1/robots`; only for readings with `joint_position`.
+    - tip: Tip before which the sensor is, by its name; default: the tool.
+    - torque_noise_nm: Noise of a reading, rms, N·m; default 0.02.
+    - wrench_convention: Sign of the readings, as in the controller; default `on_environment`.
+    - wrench_frame: Axes of the readings: `tool` are those of the sensor. Default `tool`.
+    """
+
+    readings: list[PayloadReading]
+    """At least six readings, in postures that turn the sensor far: gravity along each of its axes in both directions is
+    best."""
+    force_noise_n: float | None = None
+    """Noise of a reading, rms, N; of a mean, if the readings are means. Default 0.2."""
+    gravity: Vector | None = None
+    """Acceleration of gravity along the axes of the base, m/s²; default [0, 0, -9.81]. Shape: 3."""
+    pose: Pose | None = None
+    """Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame."""
+    robot: str | None = None
+    """Name of the robot, from `GET /v1/robots`; only for readings with `joint_position`."""
+    tip: str | None = None
+    """Tip before which the sensor is, by its name; default: the tool."""
+    torque_noise_nm: float | None = None
+    """Noise of a reading, rms, N·m; default 0.02."""
+    wrench_convention: WrenchConvention | None = None
+    """Sign of the readings, as in the controller; default `on_environment`."""
+    wrench_frame: WrenchFrame | None = None
+    """Axes of the readings: `tool` are those of the sensor. Default `tool`."""
+
+
 class RegisteredTip(Body):
     """A frame on a link that tasks can name, such as a tool.
 
@@ -3559,6 +3754,21 @@ class RegisteredTip(Body):
     """Name for the `link` and `relative_to` of tasks, unique among the tips."""
     offset: Pose | None = None
     """Pose in the frame of the link, m; default: the frame of the link."""
+
+
+class RestReading(Body):
+    """A reading of an arm at rest.
+
+    Fields:
+
+    - joint_position: Measured joint position, rad or m, in joint order or by name.
+    - wrench: Measured wrench, as in the states.
+    """
+
+    joint_position: JointVector
+    """Measured joint position, rad or m, in joint order or by name."""
+    wrench: Wrench
+    """Measured wrench, as in the states."""
 
 
 class RobotJoint(Answer):
@@ -4086,21 +4296,6 @@ class StabilityRequest(Body):
     """Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`."""
 
 
-class Wrench(Body):
-    """Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
-
-    Fields:
-
-    - force: Force x, y, z, N. Shape: 3.
-    - torque: Torque x, y, z, N·m. Shape: 3.
-    """
-
-    force: Vector
-    """Force x, y, z, N. Shape: 3."""
-    torque: Vector
-    """Torque x, y, z, N·m. Shape: 3."""
-
-
 class State(Body):
     """The measured state of one control period.
 
@@ -4117,11 +4312,12 @@ class State(Body):
     - obstacles: Where the moving obstacles of the controller are; each must be named. Default: none.
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
       task interpolates or extrapolates, as its `streaming` says.
-    - wrench: Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance`
-      and `hybrid`.
+    - wrench: Measured wrench: without the weight of the tool, or the raw reading of the controller's
+      `wrench_sensor`; required by the laws `contact`, `force`, `impedance` and `hybrid`.
     - wrenches: Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what
-      the tip carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of
-      `wrench_frame`: of the base, or of the tip itself. Default: none.
+      the tip carries unless the controller has its sensor in `wrench_sensors`; required by the same laws of tasks
+      whose `link` is such a tip. Axes are those of `wrench_frame`: of the base, or of the tip itself. Default:
+      none.
     """
 
     joint_position: JointVector
@@ -4143,12 +4339,12 @@ class State(Body):
     """New targets by task name, if any arrived since the last state; default: none. Between targets the task
     interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
-    """Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance` and
-    `hybrid`."""
+    """Measured wrench: without the weight of the tool, or the raw reading of the controller's `wrench_sensor`; required
+    by the laws `contact`, `force`, `impedance` and `hybrid`."""
     wrenches: dict[str, Wrench] | None = None
-    """Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip
-    carries; required by the same laws of tasks whose `link` is such a tip. Axes are those of `wrench_frame`: of the
-    base, or of the tip itself. Default: none."""
+    """Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries
+    unless the controller has its sensor in `wrench_sensors`; required by the same laws of tasks whose `link` is such a
+    tip. Axes are those of `wrench_frame`: of the base, or of the tip itself. Default: none."""
 
 
 class StuckTask(Answer):
@@ -4212,6 +4408,9 @@ class StepAnswer(Answer):
     - warnings: Warnings: what is not plausible about the state, and what to do.
     - why: Sentences that say what restricts the joint velocities, then what each task gives up; only if the
       controller has `"why": true`.
+    - wrench: Wrench with which the laws computed: corrected, of the tool on the environment, at the tool point,
+      base axes; absent without `wrench_sensor`.
+    - wrenches: The same of tips with a sensor in `wrench_sensors`, by the name of the tip.
     """
 
     active_limits: list[ActiveLimit]
@@ -4267,6 +4466,11 @@ class StepAnswer(Answer):
     why: list[str] = Field(default_factory=list)
     """Sentences that say what restricts the joint velocities, then what each task gives up; only if the controller has
     `"why": true`."""
+    wrench: Wrench | None = None
+    """Wrench with which the laws computed: corrected, of the tool on the environment, at the tool point, base axes;
+    absent without `wrench_sensor`."""
+    wrenches: dict[str, Wrench] | None = None
+    """The same of tips with a sensor in `wrench_sensors`, by the name of the tip."""
 
 
 class StepRequest(Body):
@@ -4285,6 +4489,43 @@ class StepRequest(Body):
     """Measured state."""
     memory: Memory | None = None
     """Memory of the last answer, unchanged; `null` at the first step."""
+
+
+class TareAnswer(Answer):
+    """What taring found. The session uses it from the next state on.
+
+    Fields:
+
+    - bias: Bias of the sensor, for `bias` of `wrench_sensor` in later controllers.
+    - force_noise_n: Noise of a reading along the noisiest axis, rms, N. The field `noise` of the law `contact`
+      wants it.
+    - torque_noise_nm: Noise of a reading along the noisiest axis, rms, N·m.
+    - warnings: Warnings: a weight that is not known.
+    """
+
+    bias: Wrench
+    """Bias of the sensor, for `bias` of `wrench_sensor` in later controllers."""
+    force_noise_n: float
+    """Noise of a reading along the noisiest axis, rms, N. The field `noise` of the law `contact` wants it."""
+    torque_noise_nm: float
+    """Noise of a reading along the noisiest axis, rms, N·m."""
+    warnings: list[str] = Field(default_factory=list)
+    """Warnings: a weight that is not known."""
+
+
+class TareRequest(Body):
+    """`POST /v1/controllers/{id}/tare`: readings at rest, in one posture, without contact.
+
+    Fields:
+
+    - readings: At least 20 readings. More leave less noise in the bias.
+    - tip: Name of the tip whose sensor is read; default: the tool.
+    """
+
+    readings: list[RestReading]
+    """At least 20 readings. More leave less noise in the bias."""
+    tip: str | None = None
+    """Name of the tip whose sensor is read; default: the tool."""
 
 
 class WatchedStep(Answer):

@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from revprio import routes
 from revprio.bodies import ArrayLike, JointVector
-from revprio.controller import Controller
+from revprio.controller import Controller, config_with
 from revprio.errors import LateAnswerError, NoAnswerError, NotFoundError, RevprioError
 from revprio.models import (
     ChannelInput,
@@ -26,11 +26,14 @@ from revprio.models import (
     StepAnswer,
     StepRequest,
     StreamedTarget,
+    TareAnswer,
+    TareRequest,
     Wrench,
 )
 from revprio.states import StateNumbering
 from revprio.streaming import ReplyMatcher, receive, refused_handshake
 from revprio.transport import Caller, Connector
+from revprio.typed import fields_of
 
 
 class RemoteController(Controller):
@@ -140,6 +143,19 @@ class Session(RemoteController):
     def status(self) -> SessionStatus:
         """Returns the configuration, the last sequence number and counters."""
         return self._client.call(routes.SHOW_CONTROLLER(self.id))
+
+    @fields_of(TareRequest)
+    def tare(self, request: TareRequest) -> TareAnswer:
+        """Tares the wrench sensor: `session.tare(readings=[…])`, with 20 readings or more.
+
+        The arm must rest and touch nothing. The stated payload counts, so the wrench stays right in every posture. The
+        next state gets the bias, and `config` has it.
+        """
+        answer = self._client.call(routes.TARE_CONTROLLER(self.id, body=request))
+        tared = self.status().controller
+        sensors = {"wrench_sensor": tared.wrench_sensor, "wrench_sensors": tared.wrench_sensors}
+        self.config = config_with(self.config, {name: value for name, value in sensors.items() if value})
+        return answer
 
     def stream(self) -> Stream:
         """Opens a WebSocket to the same controller, for loops that are too fast for single requests.

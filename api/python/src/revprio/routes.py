@@ -19,6 +19,7 @@ from revprio.models import (
     BatchAnswer,
     CreatedController,
     KinematicsAnswer,
+    PayloadAnswer,
     Problem,
     ResolveAnswer,
     Robot,
@@ -31,6 +32,7 @@ from revprio.models import (
     StabilityAnswer,
     StepAnswer,
     StepRequest,
+    TareAnswer,
 )
 
 A = TypeVar("A")
@@ -128,6 +130,7 @@ RESOLVE = Route("POST", "/v1/resolve", ResolveAnswer)
 RESOLVE_BATCH = Route("POST", "/v1/resolve/batch", BatchAnswer)
 KINEMATICS = Route("POST", "/v1/kinematics", KinematicsAnswer)
 STABILITY = Route("POST", "/v1/stability", StabilityAnswer)
+PAYLOAD = Route("POST", "/v1/payload", PayloadAnswer)
 STEP = Route("POST", "/v1/step", StepAnswer)
 
 # Repeatable: the request has an idempotency key.
@@ -138,6 +141,8 @@ REPLACE_CONTROLLER = Route("PUT", "/v1/controllers/{}", CreatedController)
 DELETE_CONTROLLER = Route("DELETE", "/v1/controllers/{}", type(None))
 # Repeatable: the service does not run the same sequence number twice.
 STEP_CONTROLLER = Route("POST", "/v1/controllers/{}/step", StepAnswer)
+# Repeatable: the same readings give the same bias.
+TARE_CONTROLLER = Route("POST", "/v1/controllers/{}/tare", TareAnswer)
 STREAM_CONTROLLER = "/v1/controllers/{}/stream"
 
 ROBOTS = Route("GET", "/v1/robots", RobotList)

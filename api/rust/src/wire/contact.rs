@@ -38,6 +38,18 @@ pub struct ContactReport {
     #[schema(example = "force_limit")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<ContactFault>,
+    /// The state that began in this period; absent in all others. Count these to count contacts and losses.
+    #[schema(example = "contact")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub event: Option<ContactState>,
+    /// Measured force along the pressing direction, N or N·m.
+    #[schema(example = 29.7)]
+    #[serde(default)]
+    pub force: f64,
+    /// Target force along the pressing direction, N or N·m.
+    #[schema(example = 30.0)]
+    #[serde(default)]
+    pub target_force: f64,
     /// Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the stiffest contact.
     #[schema(example = 15_300.0)]
     pub stiffness_bound: f64,

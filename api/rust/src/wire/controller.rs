@@ -1,11 +1,13 @@
 //! Controllers and sessions. A controller is the same object in a file, in a request and in a scenario.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
     AntiWindup, Axis, Channel, Collisions, Damping, Environment, Frame, Inequality, JointDrive, Law, LimitKind, Limits,
-    Method, NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame,
+    Method, NullSpaceVelocity, Pose, Solver, StateChecks, Streaming, WrenchConvention, WrenchFrame, WrenchSensor,
 };
 use super::{bounds, defaults, integer, object};
 
@@ -47,6 +49,14 @@ pub struct Controller {
     /// Axes of the wrench in the states. Set `tool` for a sensor that turns with the tool; default `base`.
     #[serde(default)]
     pub wrench_frame: WrenchFrame,
+    /// Sensor of the wrench, and what is corrected in its readings: bias, payload, place, noise. Set it for a wrist sensor; default: the
+    /// wrench of a state is that at the tool point, without the weight of the tool.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub wrench_sensor: Option<WrenchSensor>,
+    /// Sensors of tips other than the tool, by the name of the tip; default: none.
+    #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"right_hand": {"payload": {"mass_kg": 0.4}}}))]
+    pub wrench_sensors: BTreeMap<String, WrenchSensor>,
     /// Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the
     /// tip of a gripper; default: that frame itself.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]

@@ -178,7 +178,7 @@ pub enum WrenchFrame {
     /// The axes of the base; default.
     #[default]
     Base,
-    /// The axes of the tool, as of a wrist sensor.
+    /// The axes of the tool, or of the sensor if the controller has a `wrench_sensor`.
     Tool,
 }
 

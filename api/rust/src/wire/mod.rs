@@ -34,6 +34,8 @@ mod streaming;
 pub mod string_or_map;
 mod string_tags;
 mod virtual_arm;
+mod wrench;
+mod wrench_sensor;
 
 pub use certificate::{Certificate, CertificatePart, CertifiedLevel, CertifiedProblem, LevelMultipliers, RowName};
 pub use channel::{Channel, ChannelInput, ChannelKind, ChannelMemory, ChannelTarget};
@@ -74,10 +76,15 @@ pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequ
 pub use state_checks::StateChecks;
 pub use step::{
     ActiveLimitName, FramePose, JerkState, JointTurns, Memory, Obstacle, Progress, RestState, Stall, State, StepAnswer,
-    StepRequest, StuckTask, TaskGain, Wrench,
+    StepRequest, StuckTask, TaskGain,
 };
 pub use streaming::{
     ChunkAction, ChunkAlign, ChunkMemory, ChunkStatus, Fade, LaterTarget, StreamedPose, StreamedQuantity,
     StreamedTarget, Streaming, TargetAhead, TargetReference, TargetSample, TargetState, TargetStream,
 };
 pub use virtual_arm::{Line, VirtualArm};
+pub use wrench::Wrench;
+pub use wrench_sensor::{
+    Payload, PayloadAnswer, PayloadReading, PayloadRequest, RestReading, TareAnswer, TareRequest, WrenchSensor,
+    WrenchSensorMemory,
+};

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use super::{
     ActiveInequality, ActiveLimit, ChannelInput, ChannelMemory, CollisionReport, ContactMemory, Contradiction,
     Controller, DriveState, JointVector, ObstacleState, Pose, Side, Singularity, SolverReport, StreamedTarget,
-    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm,
+    TargetStream, TaskOutcome, ViolatedInequality, ViolatedLimit, VirtualArm, Wrench, WrenchSensorMemory,
 };
 use super::{integer, object};
 
@@ -29,11 +29,12 @@ pub struct State {
     /// noisy; default: the last command.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
-    /// Measured wrench, without the weight of the tool; required by the laws `contact`, `force`, `impedance` and
+    /// Measured wrench: without the weight of the tool, or the raw reading of the controller's `wrench_sensor`; required by the laws `contact`, `force`, `impedance` and
     /// `hybrid`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
-    /// Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries; required by
+    /// Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries unless the
+    /// controller has its sensor in `wrench_sensors`; required by
     /// the same laws of tasks whose `link` is such a tip. Axes are those of `wrench_frame`: of the base, or of the tip itself.
     /// Default: none.
     #[serde(default, deserialize_with = "object::map", skip_serializing_if = "BTreeMap::is_empty")]
@@ -51,16 +52,6 @@ pub struct State {
     /// Where the moving obstacles of the controller are; each must be named. Default: none.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ObstacleState>,
-}
-
-/// Force and torque at the tool point, or at another tip, along the axes of the controller's `wrench_frame`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Wrench {
-    /// Force x, y, z, N.
-    pub force: [f64; 3],
-    /// Torque x, y, z, N·m.
-    pub torque: [f64; 3],
 }
 
 /// `POST /v1/step`: controller, state and memory in one body, without a session.
@@ -136,6 +127,10 @@ pub struct Memory {
     /// What the law `contact` remembers of each of its axes, in the order of the tasks; default: the next state starts anew.
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactMemory>,
+    /// What the wrench sensors remember, the tool first, then the other tips in the order of the robot; default: they start.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"velocity": [0.01, 0.0, -0.02]}]))]
+    pub wrench_sensors: Vec<WrenchSensorMemory>,
     /// Whether the controller replaces another one and still limits accelerations for that; default: no.
     #[schema(example = false)]
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -325,6 +320,14 @@ pub struct StepAnswer {
     /// Memory to send with the next state; only in answers without a session.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
+    /// Wrench with which the laws computed: corrected, of the tool on the environment, at the tool point, base axes; absent without
+    /// `wrench_sensor`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wrench: Option<Wrench>,
+    /// The same of tips with a sensor in `wrench_sensors`, by the name of the tip.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schema(example = json!({"right_hand": {"force": [0, 0, 5], "torque": [0, 0, 0]}}))]
+    pub wrenches: BTreeMap<String, Wrench>,
     /// Commands of the channels by name, m, rad, N or N·m; a channel without target so far is absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"gripper": 0.031}))]

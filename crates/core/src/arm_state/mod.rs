@@ -10,6 +10,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, ConfigurationError};
 use revprio_robot::profile::Profile;
 
+use crate::wrench::SensorState;
 pub(crate) use capability::JointCapability;
 pub use motion::{Ahead, JointBraking, JointMotion};
 
@@ -35,6 +36,8 @@ pub(crate) struct ArmState {
     pub twist: [f64; 6],
     /// F_e of each tip on the environment, base axes, at the tip, N and N·m; the first one is that of the tool.
     pub wrenches: Vec<[f64; 6]>,
+    /// What the sensors of the wrenches remember, in their order.
+    pub sensors: Vec<SensorState>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
     /// L + D T, the time for which the arm goes to rest at a constant velocity, s.
@@ -102,6 +105,7 @@ impl ArmState {
             joint_velocity: zeros.clone(),
             twist: [0.0; 6],
             wrenches: vec![[0.0; 6]; robot.tips().len()],
+            sensors: Vec::new(),
             initial_pose: *measured.tool_pose(),
             time_to_rest,
             distance_to_rest: zeros.clone(),

@@ -46,9 +46,10 @@ mod state;
 mod stepper;
 mod transition;
 
+pub use crate::wrench::{WrenchConvention, WrenchFrame};
 pub use config::{
     AntiWindup, ConfigError, Controller, ControllerConfig, HOLDING_SPEED, Limits, NullSpaceError, NullSpaceMotion,
-    SteepGain, TaskConfig, TaskConfigError, WrenchConvention, WrenchFrame,
+    SteepGain, TaskConfig, TaskConfigError,
 };
 pub use period::{BRAKING_SHARE, MAX_ATTEMPTS};
 pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, StabilityError, StableDamping};

@@ -76,6 +76,11 @@ impl Controller {
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
             contacts: kept_contacts(memory, old, new),
+            wrench_sensors: if new.wrench_sensors == old.wrench_sensors {
+                memory.wrench_sensors.clone()
+            } else {
+                Vec::new()
+            },
             in_transition: new.limits_let_joints_jump(),
             channels: kept_channels(memory, old, new),
             ..initial

@@ -35,8 +35,9 @@ mod task_vector;
 
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use contact::{
-    AxisInput, ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, ContactTiming,
-    FaultCause, StiffnessEstimate, SurfaceMotion, Swing, largest_approach_speed, unavoidable_peak,
+    AxisInput, ContactAxis, ContactContradiction, ContactLaw, ContactLawError, ContactPhase, ContactReport,
+    ContactSettings, ContactTiming, FaultCause, StiffnessEstimate, SurfaceMotion, Swing, largest_approach_speed,
+    unavoidable_peak,
 };
 pub use force::ForceLaw;
 pub use gains::{GainError, Gains};

@@ -58,6 +58,14 @@ impl TaskRows {
         }
     }
 
+    /// Returns the index of the robot's tip whose wrench the rows read; `None`: they read none.
+    pub(crate) fn tip(&self, robot: &RobotModel) -> Option<usize> {
+        match self {
+            Self::Tool(rows) => rows.frame.tip(robot),
+            Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => None,
+        }
+    }
+
     /// Returns m, the number of rows.
     #[expect(clippy::len_without_is_empty, reason = "a task has at least one row")]
     pub fn len(&self) -> usize {

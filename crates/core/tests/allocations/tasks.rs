@@ -10,6 +10,7 @@ use revprio_core::law::{Braking, Gains, HybridLaw, ImpedanceLaw, Law, MotionPath
 use revprio_core::limits::LimitKind;
 use revprio_core::linalg::{Matrix, Vector};
 use revprio_core::rows::{JointRows, JointTarget, RawRows, TargetPose, TaskRows, ToolRows};
+use revprio_core::wrench::{Load, WrenchSensor};
 use revprio_robot::kinematics::{Axis, Frame, TaskFrame};
 
 use crate::arm::{
@@ -139,6 +140,19 @@ fn every_meaning_of_a_wrench_and_of_integrators_allocates_nothing() {
             }
         }
     }
+}
+
+#[test]
+fn a_wrench_sensor_with_all_its_corrections_allocates_nothing() {
+    let sensor = WrenchSensor {
+        load: Load { mass: 0.5, center_of_mass: Vector3::new(0.0, 0.0, 0.05) },
+        compensates_inertia: true,
+        filter_time: 0.005,
+        deadband: [0.2, 0.02],
+        ..WrenchSensor::at_tip(0)
+    };
+    let config = ControllerConfig { wrench_sensors: vec![sensor], ..config(all_limits(), push_and_hold()) };
+    assert_allocates_nothing("sensor", config, 1000, |command| command.wrenches[0] != [0.0; 6]);
 }
 
 #[test]

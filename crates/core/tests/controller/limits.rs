@@ -104,6 +104,7 @@ fn takeover_memory(arm: &Loop, controller: &Controller) -> Memory {
         stalls: Vec::new(),
         rest: None,
         virtual_arm: None,
+        wrench_sensors: Vec::new(),
         contacts: Vec::new(),
         in_transition: false,
         target_streams: Vec::new(),

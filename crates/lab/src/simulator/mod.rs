@@ -34,6 +34,7 @@ mod stateless;
 mod surface;
 mod toml_lines;
 mod watchdog;
+mod wrist_sensor;
 
 pub use arm::{Arm, VelocityLoop};
 pub use caller::CallMode;

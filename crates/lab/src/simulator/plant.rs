@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 use revprio_api::wire;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::Configuration;
@@ -19,6 +19,7 @@ use super::run_error::RunError;
 use super::scenario::Scenario;
 use super::sensors::{Sensed, Sensing};
 use super::watchdog::HeldCommand;
+use super::wrist_sensor::WristSensor;
 
 /// Arm, sensors, contacts and external push.
 pub struct Plant {
@@ -33,8 +34,7 @@ pub struct Plant {
     tool: ToolState,
     period_s: f64,
     substeps: usize,
-    wrench_convention: wire::WrenchConvention,
-    wrench_frame: wire::WrenchFrame,
+    wrist_sensor: WristSensor,
 }
 
 /// State of the tool, base axes.
@@ -69,8 +69,7 @@ impl Plant {
             tool: ToolState { configuration, contact_force: [0.0; 3] },
             period_s,
             substeps: scenario.substeps,
-            wrench_convention: scenario.controller.wrench_convention,
-            wrench_frame: scenario.controller.wrench_frame,
+            wrist_sensor: WristSensor::new(&scenario.controller),
         };
         plant.update_contacts(0.0, period_s);
         Ok(plant)
@@ -114,36 +113,20 @@ impl Plant {
         // Whoever pushes the tool is part of its environment and receives the opposite force.
         let external_force = [0, 1, 2].map(|i| external(i) + pushed[i]);
         let (force, torque) = ([0, 1, 2].map(|i| contact[i] - external_force[i]), [3, 4, 5].map(|i| 0.0 - external(i)));
+        let [read_force, read_torque] = self.wrist_sensor.read(force, torque, self.tool.configuration.tool_pose());
         let mut sensed = Sensed {
             joint_position: self.arm.position().to_vec(),
             joint_velocity: self.arm.velocity().to_vec(),
-            force: self.in_convention(force),
-            torque: self.in_convention(torque),
+            force: read_force,
+            torque: read_torque,
         };
         self.sensing.sense(&mut sensed);
         Measured { sensed, obstacles: self.obstacles.states(time_s), force, torque, external_force }
     }
 
-    /// Converts a force or torque on the environment to the sign and axes of the controller.
-    fn in_convention(&self, vector: [f64; 3]) -> [f64; 3] {
-        let vector = match self.wrench_convention {
-            wire::WrenchConvention::OnEnvironment => vector,
-            wire::WrenchConvention::OnTool => vector.map(|entry| -entry),
-        };
-        match self.wrench_frame {
-            wire::WrenchFrame::Base => vector,
-            wire::WrenchFrame::Tool => {
-                let tool = self.tool.configuration.tool_pose().rotation;
-                tool.inverse_transform_vector(&Vector3::from(vector)).into()
-            }
-        }
-    }
-
     /// Returns whether the controller receives the recorded state without changes.
     fn measurement_is_recorded_state(&self) -> bool {
-        self.sensing.is_perfect()
-            && self.wrench_convention == wire::WrenchConvention::OnEnvironment
-            && self.wrench_frame == wire::WrenchFrame::Base
+        self.sensing.is_perfect() && self.wrist_sensor.is_plain()
     }
 
     /// Returns the sample of a period, before the command acts.

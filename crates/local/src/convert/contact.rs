@@ -97,6 +97,9 @@ pub fn contact_answer(report: &ContactReport) -> wire::ContactReport {
     wire::ContactReport {
         state,
         fault,
+        event: report.is_new.then_some(state),
+        force: report.force,
+        target_force: report.target,
         stiffness_bound: report.stiffness_bound,
         stiffness: report.stiffness.map(|[stiffness, _]| stiffness),
         stiffness_uncertainty: report.stiffness.map(|[_, uncertainty]| uncertainty),

@@ -23,6 +23,7 @@ use super::resolve_task::check_row_count;
 use super::solver::solver;
 use super::task::task_config;
 use super::terms;
+use super::wrench_sensor::{sensor_pointer, wrench_sensors};
 use crate::error::ApiError;
 use crate::robots::Robots;
 use crate::state_rules::StateRules;
@@ -62,6 +63,7 @@ pub fn controller(request: &wire::Controller, robots: &Robots) -> Result<Control
         constraints: constraints(request, &robot)?,
         wrench_convention: terms::wrench_convention(request.wrench_convention),
         wrench_frame: terms::wrench_frame(request.wrench_frame),
+        wrench_sensors: wrench_sensors(request, &robot)?,
         null_space: match &request.null_space_velocity {
             Some(motion) => null_space(motion, Some(&robot), joints)?,
             None => NullSpaceMotion::default_for(&robot, &tasks, drive, period_s),
@@ -132,6 +134,7 @@ fn config_pointer(error: &ConfigError) -> String {
         ConfigError::Limits { .. } | ConfigError::Unplanned => "/limits".to_owned(),
         ConfigError::Collisions(_) | ConfigError::CollisionsTwice => "/collisions".to_owned(),
         ConfigError::Channel { index, source } => format!("/channels/{index}{}", channel_field(source)),
+        ConfigError::WrenchSensor { source, .. } => sensor_pointer(source),
         ConfigError::Drive => "/drive".to_owned(),
         ConfigError::Constraint { index, .. } => format!("/inequalities/{index}"),
         ConfigError::ConstraintRows { .. } => "/inequalities".to_owned(),

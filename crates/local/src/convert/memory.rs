@@ -17,6 +17,7 @@ use super::step::check_sequence;
 use super::target_memory::{target_streams, target_streams_answer};
 use super::terms;
 use super::virtual_arm_memory::{virtual_arm, virtual_arm_answer};
+use super::wrench_sensor::{sensor_memory, sensor_memory_answer};
 use crate::error::ApiError;
 use crate::state_rules::LastState;
 
@@ -63,6 +64,7 @@ fn read(memory: &wire::Memory, config: &ControllerConfig) -> Result<Memory> {
         stalls: stalls(&memory.stalls, config)?,
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm).transpose().inside("/virtual_arm")?,
         contacts: contact_memory(&memory.contacts, config)?,
+        wrench_sensors: sensor_memory(&memory.wrench_sensors, config)?,
         in_transition: memory.in_transition,
         channels: channels::memory(&memory.channels, config)?,
     })
@@ -206,6 +208,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         rest: memory.rest.as_ref().map(|rest| rest_state_answer(rest, controller.config())),
         virtual_arm: memory.virtual_arm.as_ref().map(virtual_arm_answer),
         contacts: contact_memory_answer(&memory.contacts),
+        wrench_sensors: sensor_memory_answer(&memory.wrench_sensors),
         in_transition: memory.in_transition,
         channels: channels::memory_answer(&memory.channels, controller.config()),
     }

@@ -19,6 +19,7 @@ mod memory;
 mod null_space;
 mod numbers;
 mod outcome;
+mod payload;
 mod pose;
 mod profile;
 mod resolve;
@@ -35,6 +36,7 @@ mod targets;
 mod task;
 mod terms;
 mod virtual_arm_memory;
+mod wrench_sensor;
 mod wrenches;
 
 pub use arm::{arm_view, finite, single};
@@ -46,6 +48,7 @@ pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{last_state, memory, memory_answer};
 pub use numbers::{MAX_JOINTS, MAX_MAGNITUDE, MAX_TIME_S, MIN_INERTIA};
+pub use payload::identify as payload;
 pub use profile::MAX_POINTS;
 pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem};
 pub use resolve_task::MAX_ROWS;
@@ -57,3 +60,4 @@ pub use stability::{NOT_COMPUTABLE, contact_loop, margin, margin_answer};
 pub use step::{
     MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, transition_error, valid_for_ms, watched_step,
 };
+pub use wrench_sensor::{MAX_FILTER_S, MAX_PAYLOAD_KG, MAX_READINGS, tared};

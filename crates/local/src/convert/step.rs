@@ -1,5 +1,7 @@
 //! The states of control periods and their answers.
 
+use std::collections::BTreeMap;
+
 use crate::clock::Instant;
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, Measurement, StepError, StuckTask, TransitionError};
@@ -13,6 +15,7 @@ use super::collisions::{obstacle_states, report_answer};
 use super::contact::contact_answer;
 use super::numbers::{joint_names, joint_vector, time};
 use super::outcome::{Outcome, elapsed_us};
+use super::wrench_sensor::corrected;
 use super::{channels, chunks, targets, terms, wrenches};
 use crate::constraint_names::ConstraintNames;
 use crate::error::ApiError;
@@ -114,7 +117,17 @@ pub fn step_answer(
         let target = &command.targets[k];
         (target.velocity.as_slice().to_vec(), Some(target.force.clone()))
     };
+    let (mut wrench, mut other_wrenches) = (None, BTreeMap::new());
+    for (tip, is_tool, corrected) in corrected(command, config) {
+        if is_tool {
+            wrench = Some(corrected);
+        } else {
+            other_wrenches.insert(tip.name.clone(), corrected);
+        }
+    }
     wire::StepAnswer {
+        wrench,
+        wrenches: other_wrenches,
         joint_velocity: outcome.joint_velocity(),
         sequence,
         memory: None,

@@ -19,7 +19,7 @@ pub fn tool(state: &wire::State, controller: &Controller) -> Result<[f64; 6]> {
         }
         (Some(given), None) => (given, "/wrench".to_owned()),
         (None, Some(given)) => (given, place(name)),
-        (None, None) => return needed_by(controller, 0).map_or(Ok([0.0; 6]), |task| missing("/wrench", task)),
+        (None, None) => return needed_by(controller, 0).map_or(Ok([0.0; 6]), |needs| missing("/wrench", &needs)),
     };
     six(given).inside(&pointer)
 }
@@ -34,7 +34,7 @@ pub fn other_tips(state: &wire::State, controller: &Controller) -> Result<Vec<Ti
                 let wrench = six(given).inside(&place(&tip.name))?;
                 wrenches.push(TipWrench { tip: index, wrench });
             }
-            (None, Some(task)) => return missing(&place(&tip.name), task),
+            (None, Some(needs)) => return missing(&place(&tip.name), &needs),
             (None, None) => {}
         }
     }
@@ -56,20 +56,22 @@ fn place(tip: &str) -> String {
     format!("/wrenches/{}", escape_pointer(tip))
 }
 
-/// Returns the name of the first task whose law reads the wrench at a tip.
-fn needed_by(controller: &Controller, tip: usize) -> Option<&str> {
+/// Returns what needs the wrench at a tip: the first task whose law reads it, or a sensor that is stated.
+fn needed_by(controller: &Controller, tip: usize) -> Option<String> {
     let config = controller.config();
     let reads = |rows: &TaskRows| matches!(rows, TaskRows::Tool(rows) if rows.frame.tip(&config.robot) == Some(tip));
-    let task = config.tasks.iter().find(|task| task.law.reads_wrench() && reads(&task.rows))?;
-    Some(&task.name)
+    let task = config.tasks.iter().find(|task| task.law.reads_wrench() && reads(&task.rows));
+    let is_stated = config.wrench_sensors.iter().any(|sensor| sensor.tip == tip);
+    let sensor = is_stated.then(|| "the wrench sensor of the controller".to_owned());
+    task.map(|task| format!("the law of task `{}`", task.name)).or(sensor)
 }
 
-fn missing<T>(pointer: &str, task: &str) -> Result<T> {
-    Err(ApiError::invalid(pointer, format!("the law of task `{task}` needs the wrench")))
+fn missing<T>(pointer: &str, needs: &str) -> Result<T> {
+    Err(ApiError::invalid(pointer, format!("{needs} needs the wrench")))
 }
 
 /// Returns force and torque as six numbers. Pointers begin at the wrench.
-fn six(wrench: &wire::Wrench) -> Result<[f64; 6]> {
+pub fn six(wrench: &wire::Wrench) -> Result<[f64; 6]> {
     let wire::Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] } = *wrench;
     check_numbers(&wrench.force, "/force")?;
     check_numbers(&wrench.torque, "/torque")?;

@@ -45,7 +45,7 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
         environment_damping: contact.damping,
         environment_stiffness: contact.stiffness,
         period_s: request.period_s,
-        lag_s: environment.lag_s,
+        lag_s: environment.lag_s + request.wrench_sensor.map_or(0.0, |sensor| sensor.filter_time_s),
         delay_periods: environment.delay_periods,
         velocity_measured: environment.velocity_measured,
     })

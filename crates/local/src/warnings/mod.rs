@@ -36,8 +36,14 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
 /// not keep the order of the tasks, numbers in the wrong unit, and missing limits.
 pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> Vec<String> {
     let mut warnings = request_warnings::of_controller(request, &config.robot);
+    warnings.extend(contradictory_contacts(config));
     warnings.extend(missing_accelerations(config));
     warnings
+}
+
+/// The numbers of a contact law may contradict each other.
+fn contradictory_contacts(config: &ControllerConfig) -> impl Iterator<Item = String> {
+    config.contact_contradictions().map(|(k, found)| format!("task `{}`, {found}", config.tasks[k].name))
 }
 
 /// A drive may trip when commands change faster than it can.

@@ -6,6 +6,7 @@ use crate::channel::ChannelError;
 use crate::collision::CollisionAvoidanceError;
 use crate::constraint::MAX_CONSTRAINT_ROWS;
 use crate::limits::MAX_DRIVE_DELAY;
+use crate::wrench::WrenchSensorError;
 
 /// Why the configuration of a controller is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -72,6 +73,14 @@ pub enum ConfigError {
         index: usize,
         /// What is wrong with it.
         source: ChannelError,
+    },
+    /// A force and torque sensor is refused.
+    #[error("{source}")]
+    WrenchSensor {
+        /// Index of the sensor, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: WrenchSensorError,
     },
     /// The controller cannot keep clear of obstacles.
     #[error(transparent)]

@@ -8,13 +8,13 @@ use super::config_error::ConfigError;
 use super::null_space::NullSpaceMotion;
 use super::task::TaskConfig;
 use super::velocity_limits::Limits;
-use super::wrench::{WrenchConvention, WrenchFrame};
 use crate::channel::ChannelConfig;
 use crate::collision::CollisionAvoidanceError;
 use crate::constraint::{self, Constraint, MAX_CONSTRAINT_ROWS};
 use crate::limits::{Drive, LimitKind, MAX_DRIVE_DELAY};
 use crate::linalg::Damping;
 use crate::resolution::{Method, Solver};
+use crate::wrench::{WrenchConvention, WrenchFrame, WrenchSensor, WrenchSensorError};
 
 /// When the integrators of force, impedance and hybrid laws follow the achieved velocity instead of the requested one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,6 +59,8 @@ pub struct ControllerConfig {
     pub wrench_convention: WrenchConvention,
     /// The axes along which the wrench is measured.
     pub wrench_frame: WrenchFrame,
+    /// The sensors whose readings are corrected, at most one per tip. The wrench of another tip is taken as it is.
+    pub wrench_sensors: Vec<WrenchSensor>,
     /// Joint motion in the null space of the tasks; `None`: rest.
     pub null_space: Option<NullSpaceMotion>,
     /// Whether a redundant arm leaves postures in which limits hold a task.
@@ -92,6 +94,7 @@ impl ControllerConfig {
             constraints: Vec::new(),
             wrench_convention: WrenchConvention::default(),
             wrench_frame: WrenchFrame::default(),
+            wrench_sensors: Vec::new(),
             anti_windup: AntiWindup::default(),
             tasks,
             channels: Vec::new(),
@@ -122,6 +125,7 @@ impl ControllerConfig {
         }
         ChannelConfig::check_all(&self.channels).map_err(|(index, source)| ConfigError::Channel { index, source })?;
         let joints = self.robot.joint_count();
+        self.check_sensors()?;
         self.check_collisions()?;
         if let Some(index) = self.constraints.iter().position(|constraint| !constraint.fits(&self.robot)) {
             let name = self.constraints[index].name().to_owned();
@@ -148,6 +152,17 @@ impl ControllerConfig {
             Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
             None => Ok(()),
         }
+    }
+
+    /// Checks the sensors, and that no tip has two.
+    fn check_sensors(&self) -> Result<(), ConfigError> {
+        for (index, sensor) in self.wrench_sensors.iter().enumerate() {
+            let is_taken = self.wrench_sensors[..index].iter().any(|earlier| earlier.tip == sensor.tip);
+            let is_known = sensor.tip < self.robot.tips().len() && !is_taken;
+            let checked = if is_known { sensor.check() } else { Err(WrenchSensorError::Tip) };
+            checked.map_err(|source| ConfigError::WrenchSensor { index, source })?;
+        }
+        Ok(())
     }
 
     /// Checks that the controller can keep clear of obstacles, if it shall.

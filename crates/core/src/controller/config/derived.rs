@@ -9,10 +9,11 @@ use super::velocity_limits::Limits;
 use crate::arm_state::{ArmState, JointCapability, Needs};
 use crate::collision::CollisionGuard;
 use crate::constraint::{self, Constraint};
-use crate::law::{ContactAxis, ContactLaw, Law, MotionPath};
+use crate::law::{ContactAxis, ContactContradiction, ContactLaw, Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
+use crate::wrench::{WrenchSensor, WrenchTerms};
 
 /// Part of the lag and the dead time that may differ from what is stated. A choice: the damping fades over a wider range the larger
 /// it is, so more than needed costs accuracy near singularities.
@@ -52,6 +53,31 @@ impl ControllerConfig {
     pub(in crate::controller) fn fading_damping(&self) -> Option<Damping> {
         let reaction = self.period_s + MISSTATED * self.drive.time_to_rest(self.period_s);
         self.damping.map(|damping| damping.for_reaction(reaction))
+    }
+
+    /// Returns the terms of all measured wrenches.
+    pub fn wrench_terms(&self) -> WrenchTerms {
+        WrenchTerms { convention: self.wrench_convention, frame: self.wrench_frame }
+    }
+
+    /// Returns the time constant of the low-pass behind which task `k` reads the wrench, s; 0 without one.
+    pub(in crate::controller) fn filter_time(&self, k: usize) -> f64 {
+        self.sensor_of(k).map_or(0.0, |sensor| sensor.filter_time)
+    }
+
+    /// Returns the sensor whose wrench task `k` reads; `None`: no sensor is stated.
+    fn sensor_of(&self, k: usize) -> Option<&WrenchSensor> {
+        let tip = self.tasks[k].rows.tip(&self.robot);
+        self.wrench_sensors.iter().find(|sensor| Some(sensor.tip) == tip)
+    }
+
+    /// Returns the numbers of contact laws that contradict each other, with the indices of their tasks.
+    pub fn contact_contradictions(&self) -> impl Iterator<Item = (usize, ContactContradiction)> {
+        let laws = self.tasks.iter().enumerate().filter_map(|(k, task)| Some((k, task.law.contact()?)));
+        laws.flat_map(|(k, law)| {
+            let deadband = self.sensor_of(k).map_or([0.0; 2], |sensor| sensor.deadband);
+            law.contradictions(deadband).map(move |found| (k, found))
+        })
     }
 
     /// Returns the number of axes with the contact law.

@@ -10,7 +10,6 @@ mod streamed_target;
 mod task;
 mod velocity_limits;
 mod weights;
-mod wrench;
 
 pub use config_error::ConfigError;
 pub use controller::Controller;
@@ -19,5 +18,3 @@ pub use null_space::{HOLDING_SPEED, NullSpaceError, NullSpaceMotion};
 pub use steep_gain::SteepGain;
 pub use task::{TaskConfig, TaskConfigError};
 pub use velocity_limits::Limits;
-pub(super) use wrench::on_environment;
-pub use wrench::{WrenchConvention, WrenchFrame};

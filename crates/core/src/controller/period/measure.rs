@@ -9,8 +9,9 @@ use revprio_robot::kinematics::ConfigurationError;
 
 use self::late_state::Missed;
 use crate::arm_state::ArmState;
-use crate::controller::config::{ControllerConfig, on_environment};
-use crate::controller::state::{Measurement, Memory};
+use crate::controller::config::ControllerConfig;
+use crate::controller::state::{Measurement, Memory, StepError};
+use crate::wrench::ArmReading;
 
 /// The memory from which a period continues.
 pub(super) enum Known<'a> {
@@ -54,7 +55,7 @@ pub(super) fn measure<'a, 'm>(
     memory: Option<&'m Memory>,
     measurement: &Measurement,
     arm: &'a mut ArmState,
-) -> Result<(&'a ArmState, Known<'m>), ConfigurationError> {
+) -> Result<(&'a ArmState, Known<'m>), StepError> {
     let late = memory.and_then(|memory| memory.after_missed_periods(config, measurement));
     let (late, missed) = late.unzip();
     let known = late.map(Known::Late).or_else(|| memory.map(Known::Last));
@@ -64,7 +65,6 @@ pub(super) fn measure<'a, 'm>(
         (None, Some(last_command)) => arm.move_to(&measurement.joint_position, last_command)?,
         (None, None) => arm.stand_at(&measurement.joint_position)?,
     }
-    read_wrenches(config, measurement, arm);
     if let Some(Missed { way, time }) = missed {
         arm.missed_way.copy_from_slice(way.as_slice());
         arm.missed_time = time;
@@ -80,21 +80,46 @@ pub(super) fn measure<'a, 'm>(
         None => arm.start_at(&measurement.joint_position)?,
     }
     let known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
+    read_wrenches(config, measurement, &known, arm)?;
     arm.profiles_start_s = known.start_time_s;
     recall(config, &known, arm)?;
     Ok((arm, known))
 }
 
 /// Updates the wrenches of the arm at the measured posture.
-fn read_wrenches(config: &ControllerConfig, measurement: &Measurement, arm: &mut ArmState) {
-    let terms = (config.wrench_convention, config.wrench_frame);
-    let tool = on_environment(&measurement.wrench, terms, &arm.measured().configuration.tool_pose().rotation);
+fn read_wrenches(
+    config: &ControllerConfig,
+    measurement: &Measurement,
+    known: &Memory,
+    arm: &mut ArmState,
+) -> Result<(), StepError> {
+    let terms = config.wrench_terms();
+    let tool = terms.on_environment(&measurement.wrench, &arm.measured().configuration.tool_pose().rotation);
     arm.wrenches.fill([0.0; 6]);
     arm.wrenches[0] = tool;
     for measured in &measurement.wrenches {
         let pose = arm.measured().configuration.tip_pose(&config.robot.tips()[measured.tip]);
-        arm.wrenches[measured.tip] = on_environment(&measured.wrench, terms, &pose.rotation);
+        arm.wrenches[measured.tip] = terms.on_environment(&measured.wrench, &pose.rotation);
     }
+    arm.sensors.clear();
+    for (index, sensor) in config.wrench_sensors.iter().enumerate() {
+        let mut state = known.wrench_sensors.get(index).copied().unwrap_or_default();
+        if let Some(reading) = measurement.wrench_at(sensor.tip) {
+            let reader = ArmReading {
+                robot: &config.robot,
+                configuration: arm.measured().configuration,
+                joint_velocity: known.drive.velocity.as_slice(),
+                elapsed: config.period_s + arm.missed_time,
+            };
+            arm.wrenches[sensor.tip] = state.process(sensor, terms, reading, reader);
+        }
+        // Numbers near the largest ones overflow.
+        if !(state.is_valid() && arm.wrenches[sensor.tip].iter().all(|entry| entry.is_finite())) {
+            return Err(StepError::NotFinite);
+        }
+        arm.sensors.push(state);
+    }
+    Ok(())
 }
 
 /// Updates what the arm has from the memory: the last command, its acceleration, and where it leads the arm.

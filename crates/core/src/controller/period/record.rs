@@ -47,6 +47,9 @@ pub(super) fn record<'a>(
 ) -> &'a Command {
     remove_weights(config, &mut command.resolution.tasks, targets);
     copy_targets(&mut command.targets, targets);
+    command.wrenches.clear();
+    command.wrenches.extend(config.wrench_sensors.iter().map(|sensor| arm.wrenches[sensor.tip]));
+    memory.wrench_sensors.clone_from(&arm.sensors);
     command.channels.clear();
     command.channels.extend(channels.iter().map(|channel| channel.command));
     remember_channels(&mut memory.channels, channels);

@@ -14,6 +14,8 @@ pub struct Command {
     pub resolution: Resolution,
     /// The limit that sets each of the active limits of `resolution`, in their order.
     pub limit_causes: Vec<BoundCause>,
+    /// F_e of each wrench sensor of the controller, in their order: corrected, on the environment, at the tip, base axes, N and N·m.
+    pub wrenches: Vec<[f64; 6]>,
     /// Targets of each task, highest priority first.
     pub targets: Vec<TaskTarget>,
     /// Joints (index from 0) whose acceleration or jerk limit contradicts position or velocity limits and is not kept.

@@ -66,6 +66,12 @@ impl Measurement {
         Ok(())
     }
 
+    /// Returns the wrench that is measured at a tip; `None`: it has none.
+    pub(in crate::controller) fn wrench_at(&self, tip: usize) -> Option<&[f64; 6]> {
+        let other = || self.wrenches.iter().find(|measured| measured.tip == tip).map(|measured| &measured.wrench);
+        if tip == 0 { Some(&self.wrench) } else { other() }
+    }
+
     /// Checks that each wrench is that of another tip than the tool.
     fn check_tips(&self, tips: usize) -> Result<(), StepError> {
         for (index, measured) in self.wrenches.iter().enumerate() {

@@ -18,6 +18,7 @@ use crate::resolution::{ActiveSet, Bound, BoundId};
 use crate::streaming::{
     Chunk, Fade, MAX_KEPT_ACTIONS, MAX_TARGETS_AHEAD, MIN_INTERVAL, Quantity, Target, TargetStream, TargetValue,
 };
+use crate::wrench::SensorState;
 
 /// Time above which a clock counts from the year 1970, s, and no profile does: the year 2001.
 pub const UNIX_TIME_S: f64 = 1e9;
@@ -58,6 +59,8 @@ pub struct Memory {
     pub contacts: Vec<ContactAxis>,
     /// Whether the controller replaces another one and still limits accelerations for that.
     pub in_transition: bool,
+    /// What the wrench sensors remember, in the order of the controller; empty: they start.
+    pub wrench_sensors: Vec<SensorState>,
     /// The channels of the controller, in their order; empty: no command was given.
     pub channels: Vec<ChannelState>,
 }
@@ -87,6 +90,11 @@ pub enum MemoryError {
     /// The contacts do not fit the tasks.
     #[error("the memory's contacts do not fit the tasks; send back the memory of this controller's last answer")]
     Contacts,
+    /// The wrench sensors do not fit the controller.
+    #[error(
+        "the memory's wrench sensors do not fit the controller; send back the memory of this controller's last answer"
+    )]
+    WrenchSensors,
     /// The stalls do not fit the robot.
     #[error("the memory's stalls do not fit the robot; send back the memory of this controller's last answer")]
     Stalls,
@@ -135,6 +143,7 @@ impl Memory {
             rest: None,
             virtual_arm: None,
             contacts: Vec::new(),
+            wrench_sensors: Vec::new(),
             in_transition: false,
             channels: Vec::new(),
         }
@@ -187,6 +196,12 @@ impl Memory {
         let count = self.contacts.len();
         if (count != 0 && count != config.contact_axes()) || !self.contacts.iter().all(ContactAxis::is_valid) {
             return Err(MemoryError::Contacts);
+        }
+        let count = self.wrench_sensors.len();
+        if (count != 0 && count != config.wrench_sensors.len())
+            || !self.wrench_sensors.iter().all(SensorState::is_valid)
+        {
+            return Err(MemoryError::WrenchSensors);
         }
         let count = self.stalls.len();
         if (count != 0 && count != n) || !self.stalls.iter().all(Stall::is_valid) {

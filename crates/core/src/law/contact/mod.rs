@@ -12,6 +12,7 @@
 
 mod approach;
 mod axis;
+mod contradiction;
 mod estimate;
 mod law;
 mod motion;
@@ -23,6 +24,7 @@ mod timing;
 
 pub use approach::{largest_approach_speed, unavoidable_peak};
 pub use axis::{ContactAxis, ContactPhase, FaultCause};
+pub use contradiction::ContactContradiction;
 pub use estimate::StiffnessEstimate;
 pub use law::{ContactLaw, ContactLawError};
 pub use motion::SurfaceMotion;

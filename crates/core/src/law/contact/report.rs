@@ -7,6 +7,12 @@ use super::axis::ContactPhase;
 pub struct ContactReport {
     /// The state.
     pub phase: ContactPhase,
+    /// Whether the state began in this period.
+    pub is_new: bool,
+    /// F, measured force along the pressing direction, N.
+    pub force: f64,
+    /// F_d, target force along the pressing direction, N.
+    pub target: f64,
     /// s K̂, the stiffness with which the law computes, N/m.
     pub stiffness_bound: f64,
     /// K_l, estimated stiffness with its rms uncertainty, N/m; `None`: not known yet.

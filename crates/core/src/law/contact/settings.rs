@@ -87,6 +87,11 @@ impl ContactSettings {
         if is_angular { Self::ANGULAR } else { Self::LINEAR }
     }
 
+    /// Returns whether the axis is one of rotation.
+    pub fn is_angular(&self) -> bool {
+        self.metre != 1.0
+    }
+
     /// Returns f₃ = 3 σ + b, the force from which a contact is suspected, N.
     pub fn suspicion(&self) -> f64 {
         3.0 * self.noise + self.bias

@@ -81,7 +81,7 @@ pub(super) struct Step<'a> {
 impl Step<'_> {
     /// Updates the axis; returns the velocity u that the law wants, m/s, and the report.
     pub fn run(mut self) -> (f64, ContactReport) {
-        let speed = self.approach_speed();
+        let (speed, before) = (self.approach_speed(), self.axis.phase);
         self.axis.force = self.input.force;
         self.find_faults();
         self.change_phase(speed);
@@ -92,7 +92,7 @@ impl Step<'_> {
         let wanted = self.wanted(speed);
         let most = self.input.acceleration * self.timing.period;
         let velocity = wanted.clamp(self.input.last_velocity - most, self.input.last_velocity + most);
-        (self.within_tank(velocity), self.report(speed))
+        (self.within_tank(velocity), self.report(speed, before))
     }
 
     /// Returns v_app, m/s.
@@ -262,12 +262,16 @@ impl Step<'_> {
         if velocity > 0.0 && !is_covered { (last_velocity - acceleration * period).max(0.0) } else { velocity }
     }
 
-    fn report(&self, speed: f64) -> ContactReport {
+    /// `before`: the state in the last period.
+    fn report(&self, speed: f64, before: ContactPhase) -> ContactReport {
         let (settings, axis) = (self.settings, &*self.axis);
         let is_touching = axis.phase == ContactPhase::Contact;
         let terms = (settings.stiffest, self.input.acceleration);
         ContactReport {
             phase: axis.phase,
+            is_new: axis.phase != before,
+            force: self.input.force,
+            target: self.input.target,
             stiffness_bound: if axis.estimate.upper > 0.0 { self.stiffness() } else { settings.stiffest },
             stiffness: (axis.estimate.slope > 0.0).then_some([axis.estimate.slope, axis.estimate.uncertainty]),
             predicted_force: if is_touching {

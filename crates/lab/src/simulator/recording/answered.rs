@@ -2,7 +2,7 @@
 
 use revprio_api::wire;
 
-use super::{AtLimit, Sample};
+use super::{AtLimit, Contacts, Sample};
 
 impl Sample {
     /// Returns the same sample with the values of an answer: the command and what the answer says of it.
@@ -17,6 +17,7 @@ impl Sample {
             manipulability: answer.singularity.manipulability,
             residual_norms: answer.tasks.iter().map(|task| task.residual_norm).collect(),
             channels: answer.channels.values().copied().map(Some).collect(),
+            contacts: Contacts::of(answer, self.answered),
             least_distance: answer.collisions.as_ref().and_then(|report| report.least_distance_m),
             limits: AtLimit::of(answer, joint_names),
             ..self

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error, StrDeserializer};
 
-use super::AtLimit;
+use super::{AtLimit, ContactEvent, ContactWord};
 
 /// A value that is read from or written to a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,4 +130,4 @@ macro_rules! word {
     )+};
 }
 
-word!(wire::Path, wire::Status, AtLimit);
+word!(wire::Path, wire::Status, AtLimit, ContactEvent, ContactWord);

@@ -24,6 +24,8 @@ pub struct TableLayout<'a> {
     pub tasks: usize,
     /// Number of channels.
     pub channels: usize,
+    /// Number of axes with the law `contact`.
+    pub contacts: usize,
     /// Whether the controller watches distances.
     pub watched: bool,
     /// Whether the controller received other values than the true state.
@@ -40,6 +42,7 @@ impl<'a> TableLayout<'a> {
             joints: &recording.joint_names,
             tasks: first.map_or(0, |sample| sample.residual_norms.len()),
             channels: recording.samples.last().map_or(0, |sample| sample.channels.len()),
+            contacts: recording.samples.last().map_or(0, |sample| sample.contacts.axes()),
             watched: recording.watches_distances(),
             sensed: first.is_some_and(|sample| sample.sensed.is_some()),
             timed,
@@ -53,6 +56,7 @@ impl<'a> TableLayout<'a> {
             joints,
             tasks: count("residual_task_"),
             channels: count("channel_"),
+            contacts: count("contact_state_"),
             watched: count("least_distance") > 0,
             sensed: count("sensed_") > 0,
             timed: count("round_trip_us") > 0,
@@ -61,7 +65,7 @@ impl<'a> TableLayout<'a> {
 
     /// Returns an empty sample with this layout.
     pub fn empty_sample(&self) -> (Sample, Timing) {
-        (Sample::zeros(self.joints.len(), self.tasks, self.channels, self.sensed), Timing::default())
+        (Sample::zeros(self.joints.len(), [self.tasks, self.channels, self.contacts], self.sensed), Timing::default())
     }
 
     /// Returns all columns.
@@ -84,6 +88,7 @@ impl<'a> TableLayout<'a> {
             Per::QuaternionPart => words(&["w", "x", "y", "z"]),
             Per::Task => (1..=self.tasks).map(|k| k.to_string()).collect(),
             Per::Channel => (1..=self.channels).map(|k| k.to_string()).collect(),
+            Per::Contact => (1..=self.contacts).map(|k| k.to_string()).collect(),
         };
         let column = |(index, label): (usize, String)| {
             let parts = [quantity.name, &label, quantity.unit];

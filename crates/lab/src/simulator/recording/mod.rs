@@ -11,6 +11,7 @@ mod cell;
 mod clarabel_levels;
 #[cfg(feature = "files")]
 mod columns;
+mod contact;
 #[cfg(feature = "files")]
 mod csv_table;
 #[cfg(feature = "files")]
@@ -46,6 +47,7 @@ pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
 #[cfg(feature = "files")]
 pub use columns::{Column, TableLayout};
+pub use contact::{ContactEvent, ContactWord, Contacts};
 #[cfg(feature = "files")]
 pub use csv_table::{cell_text, cell_value};
 #[cfg(feature = "files")]
@@ -146,6 +148,9 @@ pub struct Sample {
     /// Commands of the channels, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<Option<f64>>,
+    /// Contacts of the tasks with the law `contact`.
+    #[serde(default, skip_serializing_if = "Contacts::is_empty")]
+    pub contacts: Contacts,
     /// Least distance of the watched pairs of shapes, m; `None` without them.
     #[serde(rename = "least_distance_m", default, skip_serializing_if = "Option::is_none")]
     pub least_distance: Option<f64>,
@@ -252,9 +257,9 @@ impl Sample {
         self.limits.iter().any(|limit| *limit != AtLimit::Free)
     }
 
-    /// Returns a sample of zeros for the given number of joints, tasks and channels.
+    /// Returns a sample of zeros for the given number of joints, tasks, channels and axes in contact.
     #[cfg(feature = "files")]
-    fn zeros(joints: usize, tasks: usize, channels: usize, sensed: bool) -> Self {
+    fn zeros(joints: usize, [tasks, channels, contacts]: [usize; 3], sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
@@ -265,6 +270,7 @@ impl Sample {
             actual_velocity: row.clone(),
             residual_norms: vec![0.0; tasks],
             channels: vec![None; channels],
+            contacts: Contacts::approaching(contacts),
             limits: vec![AtLimit::Free; joints],
             ..Self::at_rest()
         }
@@ -293,6 +299,7 @@ impl Sample {
             manipulability: 0.1,
             residual_norms: Vec::new(),
             channels: Vec::new(),
+            contacts: Contacts::default(),
             least_distance: None,
             limits: Vec::new(),
             energy: Energy::default(),

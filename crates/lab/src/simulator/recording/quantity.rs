@@ -18,6 +18,8 @@ pub enum Per {
     Task,
     /// One value per channel of the controller.
     Channel,
+    /// One value per axis with the law `contact`, in the order of the tasks.
+    Contact,
 }
 
 /// Kind of a value.
@@ -74,7 +76,7 @@ impl Quantity {
 }
 
 /// Names of the quantities that come from the answer of the service.
-const ANSWERED: [&str; 11] = [
+const ANSWERED: [&str; 16] = [
     "velocity",
     "target_force",
     "path",
@@ -84,6 +86,11 @@ const ANSWERED: [&str; 11] = [
     "manipulability",
     "residual_task",
     "channel",
+    "contact_state",
+    "contact_event",
+    "contact_force",
+    "contact_target",
+    "contact_stiffness",
     "limit",
     "least_distance",
 ];
@@ -125,7 +132,7 @@ macro_rules! quantities {
 }
 
 /// All quantities, in the order of their columns. To add one, add a field to [`Sample`] and a line here.
-pub static QUANTITIES: [Quantity; 32] = quantities! {
+pub static QUANTITIES: [Quantity; 37] = quantities! {
     "time" "s" Period Number sample.time_s "simulated time";
     "position" "rad" Joint Number sample.joint_position "joint position q; m for a prismatic joint";
     "velocity" "rad_s" Joint Number sample.joint_velocity "commanded joint velocity q̇; m/s for a prismatic joint";
@@ -147,6 +154,11 @@ pub static QUANTITIES: [Quantity; 32] = quantities! {
     "external_force" "n" Axis Number sample.external_force "external push on the tool, a part of −F_e";
     "manipulability" "" Period Number sample.manipulability "product of the singular values of all task rows";
     "channel" "" Channel OptionalNumber sample.channels "command of each channel of the controller in the order of their names, m, rad, N or N·m";
+    "contact_state" "" Contact Word sample.contacts.state "state of each axis with the law `contact`: `approach`, `contact`, `loss` or `fault`";
+    "contact_event" "" Contact Word sample.contacts.event "what began in the period: `contact`, `loss`, `approach`, a fault (`pull`, `stays_in_retreat`, `force_limit`), or `none`";
+    "contact_force" "" Contact Number sample.contacts.force "measured force along the pressing direction, N or N·m";
+    "contact_target" "" Contact Number sample.contacts.target_force "target force along the pressing direction, N or N·m";
+    "contact_stiffness" "" Contact OptionalNumber sample.contacts.stiffness "estimated stiffness, N/m or N·m/rad; empty until it is known";
     "limit" "" Joint Word sample.limits "`free`, at an active bound (`lower`, `upper`), or beyond a bound (`below`, `above`)";
     "work" "j" Period Number sample.energy.work_j "work done on the contacts so far";
     "stored" "j" Period Number sample.energy.stored_j "energy stored in the contacts";

@@ -45,12 +45,17 @@ impl Contacts {
         let capability = config.joint_capability();
         let rises = capability.deceleration.iter().zip(&capability.jerk).map(|(a, jerk)| a / jerk);
         let rise = rises.filter(|rise| rise.is_finite()).fold(0.0, f64::max);
-        let laws = config.tasks.iter().enumerate().filter_map(|(task, config)| Some((task, config.law.contact()?)));
+        let laws = config.tasks.iter().enumerate().filter_map(|(task, of)| Some((task, of.law.contact()?)));
         let axis = |(task, law, row): (usize, &ContactLaw, usize)| PressingAxis {
             task,
             row,
             direction: law.direction(row),
-            timing: ContactTiming::new(config.period_s, config.drive, law.axes()[row].sensor_lag, rise),
+            timing: ContactTiming::new(
+                config.period_s,
+                config.drive,
+                law.axes()[row].sensor_lag + config.filter_time(task),
+                rise,
+            ),
             target: 0.0,
             memory: ContactAxis::START,
         };

@@ -6,7 +6,7 @@ use foxglove::messages::{
 use nalgebra::{IsometryMatrix3, UnitQuaternion};
 use serde::Serialize;
 
-use super::super::{Recording, Sample};
+use super::super::{Contacts, Recording, Sample};
 
 /// Name of the base frame.
 pub const BASE: &str = "base";
@@ -35,15 +35,27 @@ struct Vector {
 
 /// Returns the wrench F_e of a period.
 pub fn wrench(sample: &Sample) -> Wrench {
+    let vector = |[x, y, z]: [f64; 3]| Vector { x, y, z };
+    Wrench { timestamp: time(sample), frame_id: BASE, force: vector(sample.force), torque: vector(sample.torque) }
+}
+
+/// The contacts of a period, as in the sample.
+#[derive(Debug, Serialize)]
+pub struct ContactMessage<'a> {
+    timestamp: Time,
+    #[serde(flatten)]
+    contacts: &'a Contacts,
+}
+
+/// Returns the contacts of a period.
+pub fn contacts(sample: &Sample) -> ContactMessage<'_> {
+    ContactMessage { timestamp: time(sample), contacts: &sample.contacts }
+}
+
+fn time(sample: &Sample) -> Time {
     const SECOND: u64 = 1_000_000_000;
     let time = nanoseconds(sample.time_s);
-    let vector = |[x, y, z]: [f64; 3]| Vector { x, y, z };
-    Wrench {
-        timestamp: Time { sec: time / SECOND, nsec: time % SECOND },
-        frame_id: BASE,
-        force: vector(sample.force),
-        torque: vector(sample.torque),
-    }
+    Time { sec: time / SECOND, nsec: time % SECOND }
 }
 
 /// Returns q and the actual q̇.

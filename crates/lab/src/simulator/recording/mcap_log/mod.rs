@@ -13,13 +13,14 @@ use foxglove::messages::{FrameTransforms, JointStates, PoseInFrame, SceneUpdate}
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::{NoSeek, WriteOptions};
 use mcap::{MessageStream, Summary};
+use revprio_api::wire;
 
 use self::messages::{Wrench, nanoseconds};
 use self::scene::SceneBuilder;
 use super::error::{ReadError, WriteError};
 use super::json_lines::{read_object, write_object};
 use super::writer::Writer;
-use super::{Recording, description};
+use super::{Contacts, Recording, Sample, description};
 
 /// Period of the topics `/tf` and `/scene`, s.
 const SCENE_PERIOD_S: f64 = 0.02;
@@ -43,6 +44,7 @@ pub struct McapWriter<W: Write + Send> {
 struct Channels {
     sample: u16,
     wrench: u16,
+    contact: Option<u16>,
     joint_states: u16,
     tool_pose: u16,
     transforms: u16,
@@ -59,9 +61,20 @@ impl<W: Write + Send> McapWriter<W> {
         let mut out = options.create(NoSeek::new(out))?;
         let run = [(DESCRIPTION.to_owned(), description::to_json(recording, timed)?)];
         out.write_metadata(&Metadata { name: description::KEY.to_owned(), metadata: run.into() })?;
+        let example = Sample { contacts: Contacts::approaching(1), ..Sample::at_rest() };
         let channels = Channels {
             sample: json_channel(&mut out, SAMPLES, "revprio.Sample", &schema::of_sample(recording, timed)?)?,
             wrench: json_channel(&mut out, "/wrench", "revprio.Wrench", &schema::of(&Wrench::default())?)?,
+            contact: if has_contacts(recording) {
+                Some(json_channel(
+                    &mut out,
+                    "/contact",
+                    "revprio.Contacts",
+                    &schema::of(&messages::contacts(&example))?,
+                )?)
+            } else {
+                None
+            },
             joint_states: channel::<JointStates, _>(&mut out, "/joint_states")?,
             tool_pose: channel::<PoseInFrame, _>(&mut out, "/tool_pose")?,
             transforms: channel::<FrameTransforms, _>(&mut out, "/tf")?,
@@ -79,6 +92,11 @@ impl<W: Write + Send> McapWriter<W> {
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, &messages::wrench(sample))?;
         self.send(self.channels.wrench, time)?;
+        if let Some(channel) = self.channels.contact {
+            self.buffer.clear();
+            serde_json::to_writer(&mut self.buffer, &messages::contacts(sample))?;
+            self.send(channel, time)?;
+        }
         self.encode(self.channels.joint_states, time, &messages::joint_states(recording, sample))?;
         self.encode(self.channels.tool_pose, time, &messages::tool_pose(sample))?;
         if row.is_multiple_of(periods(SCENE_PERIOD_S, recording.period_s)) {
@@ -105,6 +123,12 @@ impl<W: Write + Send> McapWriter<W> {
         };
         Ok(self.out.write_to_known_channel(&header, &self.buffer)?)
     }
+}
+
+/// Returns whether a task of the run has the law `contact`.
+fn has_contacts(recording: &Recording) -> bool {
+    let has_law = |task: &wire::ControllerTask| matches!(task.law, Some(wire::Law::Contact { .. }));
+    recording.setup.as_ref().is_some_and(|setup| setup.controller.tasks.iter().any(has_law))
 }
 
 /// The time of a message.

@@ -1,0 +1,101 @@
+//! Numbers of a contact law that contradict each other: the law presses, but not as they say.
+
+use std::fmt;
+
+use super::law::ContactLaw;
+
+/// Peak of a good contact over its target: what a limit of the force must leave.
+const PEAK_SHARE: f64 = 1.2;
+
+/// Numbers of one axis that contradict each other. For an axis of rotation read N·m for N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactContradiction {
+    /// The limit of the force is below its target, so the tool retreats from every contact.
+    LimitBelowTarget {
+        /// Row, from 0.
+        row: usize,
+        /// The limit, N.
+        max_force: f64,
+        /// The target, N.
+        target: f64,
+    },
+    /// The limit is so near the target that the peak of an impact exceeds it.
+    LimitNearTarget {
+        /// Row, from 0.
+        row: usize,
+        /// The limit, N.
+        max_force: f64,
+        /// The target, N.
+        target: f64,
+    },
+    /// The target is below what is told from noise and bias, so the law presses harder.
+    TargetBelowNoise {
+        /// Row, from 0.
+        row: usize,
+        /// The target, N.
+        target: f64,
+        /// f₅, the smallest force that the law presses with, N.
+        least: f64,
+    },
+    /// The deadband of the sensor hides the end of a contact.
+    Deadband {
+        /// Row, from 0.
+        row: usize,
+        /// The deadband, N.
+        deadband: f64,
+        /// f_off, the force below which a contact ends, N.
+        release: f64,
+    },
+}
+
+impl fmt::Display for ContactContradiction {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            Self::LimitBelowTarget { row, max_force, target } => write!(
+                f,
+                "axis {}: `max_force` {max_force} is below the target force {target}, so the tool retreats from every contact; give more",
+                row + 1
+            ),
+            Self::LimitNearTarget { row, max_force, target } => write!(
+                f,
+                "axis {}: `max_force` {max_force} is less than {PEAK_SHARE} times the target force {target}, and an impact may reach that; \
+                 give more, or the tool retreats from it",
+                row + 1
+            ),
+            Self::Deadband { row, deadband, release } => write!(
+                f,
+                "axis {}: the deadband {deadband} of `wrench_sensor` is above {release}, below which a contact ends, so contacts are told late \
+                 and lost early; give less",
+                row + 1
+            ),
+            Self::TargetBelowNoise { row, target, least } => write!(
+                f,
+                "axis {}: the target force {target} is below 5 times `noise` plus `bias`, so the tool presses with {least}; use a better \
+                 sensor, or state less noise if it has less",
+                row + 1
+            ),
+        }
+    }
+}
+
+impl ContactLaw {
+    /// Returns the numbers that contradict each other; `deadband`: that of the sensor, N and N·m.
+    pub fn contradictions(&self, deadband: [f64; 2]) -> impl Iterator<Item = ContactContradiction> {
+        let largest = self.target_force().largest();
+        let axes = self.axes().iter().zip(largest).enumerate();
+        axes.flat_map(move |(row, (settings, target))| {
+            let (target, max_force, least) = (target.abs(), settings.max_force, settings.threshold());
+            let limit = if max_force < target.max(least) {
+                Some(ContactContradiction::LimitBelowTarget { row, max_force, target: target.max(least) })
+            } else if max_force < PEAK_SHARE * target {
+                Some(ContactContradiction::LimitNearTarget { row, max_force, target })
+            } else {
+                None
+            };
+            let noise = (target < least).then_some(ContactContradiction::TargetBelowNoise { row, target, least });
+            let (deadband, release) = (deadband[usize::from(settings.is_angular())], settings.release());
+            let deadband = (deadband > release).then_some(ContactContradiction::Deadband { row, deadband, release });
+            [limit, noise, deadband].into_iter().flatten()
+        })
+    }
+}

@@ -1,0 +1,146 @@
+//! `revprio payload`
+
+use std::path::{Path, PathBuf};
+
+use revprio_api::wire::{
+    JointVector, PayloadAnswer, PayloadReading, PayloadRequest, Wrench, WrenchConvention, WrenchFrame,
+};
+
+use super::error::CliError;
+use super::output::print_text;
+use super::service_choice::server_address;
+use super::target::Target;
+
+/// The columns of a wrench in a table.
+const WRENCH: [&str; 6] = ["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"];
+
+/// The columns of gravity in a table.
+const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
+
+/// A table needs --robot if it has the postures. The options replace fields of a request in JSON.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Readings at rest: a request in JSON as for POST /v1/payload, or a table in CSV with the columns force_x … torque_z, and one per
+    /// joint or gravity_x, gravity_y, gravity_z (m/s², sensor axes); `-` reads standard input
+    file: PathBuf,
+    /// Name of the robot whose postures the readings have
+    #[arg(long)]
+    robot: Option<String>,
+    /// The readings are the wrench on the tool, as most wrist sensors give it
+    #[arg(long)]
+    on_tool: bool,
+    /// The readings are along the axes of the base, not of the sensor
+    #[arg(long)]
+    base_axes: bool,
+    /// Noise of a force reading, rms, N
+    #[arg(long)]
+    force_noise_n: Option<f64>,
+    /// Noise of a torque reading, rms, N·m
+    #[arg(long)]
+    torque_noise_nm: Option<f64>,
+    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
+    #[arg(long, value_parser = server_address)]
+    server: Option<String>,
+    /// Print the answer as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(options: &Options) -> Result<(), CliError> {
+    let mut request = read(&options.file)?;
+    request.robot = options.robot.clone().or(request.robot);
+    if options.on_tool {
+        request.wrench_convention = WrenchConvention::OnTool;
+    }
+    if options.base_axes {
+        request.wrench_frame = WrenchFrame::Base;
+    }
+    request.force_noise_n = options.force_noise_n.unwrap_or(request.force_noise_n);
+    request.torque_noise_nm = options.torque_noise_nm.unwrap_or(request.torque_noise_nm);
+    let answer = Target::open(options.server.as_deref())?.client.payload(&request)?;
+    if options.json {
+        let json = serde_json::to_string_pretty(&answer);
+        let json = json.map_err(|source| CliError::ParseProblem { path: options.file.clone(), source })?;
+        return Ok(print_text(json + "\n")?);
+    }
+    Ok(print_text(describe(&answer))?)
+}
+
+fn read(path: &Path) -> Result<PayloadRequest, CliError> {
+    let text =
+        if path == Path::new("-") { std::io::read_to_string(std::io::stdin()) } else { std::fs::read_to_string(path) };
+    let text = text.map_err(|source| CliError::ReadProblem { path: path.to_owned(), source })?;
+    if !text.trim_start().starts_with('{') {
+        return table(&text).map_err(|message| CliError::PayloadTable { path: path.to_owned(), message });
+    }
+    serde_json::from_str(&text).map_err(|source| CliError::ParseProblem { path: path.to_owned(), source })
+}
+
+/// Reads a table. Columns that are neither wrench nor gravity are joints.
+fn table(text: &str) -> Result<PayloadRequest, String> {
+    let mut lines = text.lines().map(str::trim).enumerate().filter(|(_, line)| !line.is_empty());
+    let (_, header) = lines.next().ok_or("the file is empty")?;
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    if let Some(name) = WRENCH.iter().find(|name| !names.contains(name)) {
+        return Err(format!("the column `{name}` is missing; the first line names the columns"));
+    }
+    let given = GRAVITY.iter().filter(|name| names.contains(name)).count();
+    if given != 0 && given != GRAVITY.len() {
+        return Err("give all of gravity_x, gravity_y and gravity_z, or none".to_owned());
+    }
+    let mut readings = Vec::new();
+    for (number, line) in lines {
+        let at = |what: String| format!("line {}: {what}", number + 1);
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if cells.len() != names.len() {
+            return Err(at(format!("{} cells for {} columns", cells.len(), names.len())));
+        }
+        let mut row = Vec::with_capacity(cells.len());
+        for (name, cell) in names.iter().zip(cells) {
+            let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
+            row.push((*name, value.ok_or_else(|| at(format!("`{cell}` in `{name}` is not a number")))?));
+        }
+        readings.push(reading(&row, given > 0));
+    }
+    // The other fields have their defaults.
+    let empty: PayloadRequest = serde_json::from_str(r#"{"readings": []}"#).map_err(|error| error.to_string())?;
+    Ok(PayloadRequest { readings, ..empty })
+}
+
+/// Returns the reading of a row that has all columns of a wrench.
+fn reading(row: &[(&str, f64)], has_gravity: bool) -> PayloadReading {
+    let value = |name: &str| row.iter().find(|(column, _)| *column == name).map_or(f64::NAN, |(_, value)| *value);
+    let [fx, fy, fz, tx, ty, tz] = WRENCH.map(value);
+    let joints = row.iter().filter(|(name, _)| !WRENCH.contains(name) && !GRAVITY.contains(name));
+    let joints: Vec<(String, f64)> = joints.map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    PayloadReading {
+        joint_position: (!has_gravity).then_some(JointVector::Named(joints)),
+        gravity: has_gravity.then(|| GRAVITY.map(value)),
+        wrench: Wrench { force: [fx, fy, fz], torque: [tx, ty, tz] },
+    }
+}
+
+fn describe(answer: &PayloadAnswer) -> String {
+    let PayloadAnswer { bias, payload, mass_uncertainty_kg, force_residual_n, torque_residual_nm, .. } = answer;
+    let three = |[x, y, z]: [f64; 3], digits: usize| format!("{x:.digits$}, {y:.digits$}, {z:.digits$}");
+    let center = match answer.center_of_mass_uncertainty_m {
+        Some(sigma) => format!("{} mm ± {:.1}", three(payload.center_of_mass.map(|c| 1e3 * c), 1), 1e3 * sigma),
+        None => "unknown: no payload".to_owned(),
+    };
+    let axes = if answer.axes_verified {
+        "verified: no other sign or order of the axes fits"
+    } else {
+        "not verified: the payload is too light for the noise, or the postures are too similar"
+    };
+    format!(
+        "mass              {:.4} kg ± {mass_uncertainty_kg:.4}\ncentre of mass    {center}\nbias              {} N\n\
+         {:18}{} N·m\nresidual, rms     {force_residual_n:.3} N, {torque_residual_nm:.4} N·m\n\
+         postures          {} readings, condition {:.2} (1 at best, above 8 refused)\nsign and axes     {axes}\n",
+        payload.mass_kg,
+        three(bias.force, 3),
+        "",
+        three(bias.torque, 4),
+        answer.readings,
+        answer.condition,
+    )
+}
