@@ -115,12 +115,11 @@ const SO101: [Row; 12] = [
 /// Returns the same robot with the capsules that belong to its name; without any if there are none.
 pub fn with_built_in_shapes(robot: RobotModel) -> RobotModel {
     let rows: &[Row] = match robot.name() {
-        "panda" => &PANDA,
+        "panda" | "fr3" => &PANDA,
         "ur5e" => &UR5E,
         "sawyer" => &SAWYER,
         "planar_3r" => &PLANAR_3R,
         "so101" => &SO101,
-        "fr3" => &PANDA,
         "xarm7" => &XARM7,
         "iiwa14" => &IIWA14,
         "gen3" => &GEN3,
