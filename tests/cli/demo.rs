@@ -96,6 +96,14 @@ fn every_period_was_a_request(table: &str) {
     }
 }
 
+/// The law `contact` meets the same wall once and never presses with more than a few newtons above the target.
+fn contact_law_settles_without_a_peak(out: &Path) {
+    let trace = Trace::read(&out.join("stiff_wall_contact-reverse_priority-auto.csv"));
+    assert_eq!(trace.contacts_s().len(), 1);
+    assert_between(trace.peak_fx(), 29.0, 36.0);
+    assert_between(trace.final_fx(), 29.0, 31.0);
+}
+
 /// Without a terminal, standard error has a line when a run starts and when it ends.
 fn progress_is_printed(lines: &str) {
     for scenario in SCENARIOS {
@@ -124,14 +132,19 @@ fn demo_reproduces_the_experiments_of_the_paper() {
     assert_eq!(std::path::Path::new(page), out.join("index.html"));
     let files = files(out);
     let with_ending = |ending: &str| files.iter().filter(|name| name.ends_with(ending)).collect::<Vec<_>>();
-    // From the nominal posture both methods move alike, and solvers do everywhere. One run is at limits.
-    assert_eq!((with_ending("csv").len(), with_ending("parquet").len()), (7, 7), "{files:?}");
+    // From the nominal posture both methods move alike, and solvers do everywhere. One run is at limits, and one has another law.
+    assert_eq!((with_ending("csv").len(), with_ending("parquet").len()), (8, 8), "{files:?}");
+    contact_law_settles_without_a_peak(out);
     assert!(with_ending("svg").len() >= 4, "{files:?}");
     let defaults = ["parquet", "svg", "html", "json"].map(with_ending).concat();
     let bytes: u64 = defaults.iter().map(|name| out.join(name).metadata().unwrap().len()).sum();
     assert!(bytes < 20_000_000, "{bytes} bytes");
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains("<svg") && page.contains("does not reach the wall"));
+    assert!(
+        page.contains("Under the classical control the same arm does not reach it in 5 s.")
+            && page.contains("The peak of 244 N")
+    );
     assert!(!page.contains("src=\"http"), "the page must not load anything");
     solvers_agree(&table, &page);
     limits_act(&table, out);

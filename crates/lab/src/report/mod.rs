@@ -39,6 +39,7 @@ pub mod run;
 pub mod run_figure;
 pub mod scenario_summary;
 mod sheet;
+pub mod story;
 pub mod table;
 mod time_series;
 mod typeface;
@@ -46,6 +47,7 @@ mod typeface;
 use claims::Claim;
 use figure::Figure;
 use run::Program;
+use story::Story;
 use table::Row;
 
 pub use crate::{metrics, number};
@@ -59,6 +61,8 @@ pub use output::{Output, write, write_figures, write_heat_map};
 pub struct Report {
     /// Title of the page.
     pub title: String,
+    /// Claim, picture and meaning; the rest of the page is then collapsed.
+    pub story: Option<Story>,
     /// Paragraphs before the table.
     pub introduction: Vec<String>,
     /// Rows of the table, from [`table::rows`].

@@ -27,9 +27,9 @@ pub struct Drawn<'a> {
     pub files: bool,
 }
 
-/// Returns the page as HTML; `figures` are the figures of each section.
+/// Returns the page as HTML; `picture` is the one of the story, and `figures` are the figures of each section.
 #[must_use]
-pub fn html(report: &Report, figures: &[Vec<Drawn<'_>>]) -> String {
+pub fn html(report: &Report, picture: Option<&Drawn<'_>>, figures: &[Vec<Drawn<'_>>]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -40,7 +40,7 @@ pub fn html(report: &Report, figures: &[Vec<Drawn<'_>>]) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                main { (content(report, figures)) }
+                main { (content(report, picture, figures)) }
                 script { (PreEscaped(SCRIPT)) }
             }
         }
@@ -48,22 +48,26 @@ pub fn html(report: &Report, figures: &[Vec<Drawn<'_>>]) -> String {
     page.into_string()
 }
 
-fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
+fn content(report: &Report, picture: Option<&Drawn<'_>>, figures: &[Vec<Drawn<'_>>]) -> Markup {
+    let story = report.story.as_ref().zip(picture);
+    let is_open = story.is_none();
     html! {
         h1 { (indexed(&report.title)) }
-        @for paragraph in &report.introduction { p { (indexed(paragraph)) } }
+        @if let Some((story, picture)) = story {
+            p.lead { (indexed(&story.claim)) }
+            (figure(picture))
+            @for paragraph in &story.meaning { p { (indexed(paragraph)) } }
+            details {
+                summary { "How it was simulated and compared" }
+                @for paragraph in &report.introduction { p { (indexed(paragraph)) } }
+            }
+        } @else {
+            @for paragraph in &report.introduction { p { (indexed(paragraph)) } }
+        }
         @if report.sections.len() > 1 { (contents(&report.sections, !report.claims.is_empty())) }
         h2 id="results" { "Results" }
-        (table(&report.rows))
-        (meanings())
-        @if !report.agreement.is_empty() {
-            p {
-                "How far the solvers are apart: the largest difference of a joint velocity in each control period, over all \
-                 periods; and in how many of them it is above 1e-9, 1e-7 and 1e-5 rad/s."
-            }
-            ul.words { @for line in &report.agreement { li { (indexed(line)) } } }
-        }
-        @if !report.claims.is_empty() { (claims(&report.claims)) }
+        @if is_open { (results(report)) } @else { details { summary { "Table of all runs" } (results(report)) } }
+        @if !report.claims.is_empty() { (claims(&report.claims, is_open)) }
         @for (section, figures) in report.sections.iter().zip(figures) { (scenario(section, figures, !report.claims.is_empty())) }
         @if !report.traces.is_empty() {
             h2 id="traces" { "Recordings" }
@@ -76,6 +80,21 @@ fn content(report: &Report, figures: &[Vec<Drawn<'_>>]) -> Markup {
         h2 id="made-by" { "Made by" }
         pre { code { (report.command) } }
         p { (program(report)) }
+    }
+}
+
+/// The table of all runs, and how far the solvers are apart.
+fn results(report: &Report) -> Markup {
+    html! {
+        (table(&report.rows))
+        (meanings())
+        @if !report.agreement.is_empty() {
+            p {
+                "How far the solvers are apart: the largest difference of a joint velocity in each control period, over all \
+                 periods; and in how many of them it is above 1e-9, 1e-7 and 1e-5 rad/s."
+            }
+            ul.words { @for line in &report.agreement { li { (indexed(line)) } } }
+        }
     }
 }
 
@@ -100,10 +119,10 @@ fn contents(sections: &[Section], has_claims: bool) -> Markup {
     }
 }
 
-fn claims(claims: &[Claim]) -> Markup {
+fn claims(claims: &[Claim], is_open: bool) -> Markup {
     html! {
         h2 id="claims" { "Claims of the paper and measured results" }
-        details open { summary { (counted(claims.len(), "claim")) }
+        details open[is_open] { summary { (counted(claims.len(), "claim")) }
         table.claims {
             thead { tr { th { "Paper" } th { "Claim (paraphrased)" } th { "Scenario" } th { "Measured" } th { "Result" } } }
             tbody {

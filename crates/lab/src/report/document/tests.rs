@@ -44,7 +44,7 @@ fn page(files: bool) -> String {
     let drawn = |figure| Drawn { figure, drawing: drawing::drawing(figure).unwrap(), files };
     let figures: Vec<Vec<_>> =
         report.sections.iter().map(|section| section.figures.iter().map(drawn).collect()).collect();
-    html(&report, &figures)
+    html(&report, None, &figures)
 }
 
 #[test]
@@ -76,10 +76,10 @@ fn words_between_backticks_are_code() {
 fn numbers_of_files_and_claims_agree_with_their_words() {
     let mut report = report();
     report.traces = vec!["a.csv".to_owned()];
-    let page = html(&report, &[vec![]]);
+    let page = html(&report, None, &[vec![]]);
     assert!(page.contains("<summary>1 file</summary>") && page.contains("<summary>1 claim</summary>"), "{page}");
     report.traces.push("b.csv".to_owned());
-    assert!(html(&report, &[vec![]]).contains("<summary>2 files</summary>"));
+    assert!(html(&report, None, &[vec![]]).contains("<summary>2 files</summary>"));
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn agreement_of_the_solvers_is_on_the_page() {
     let mut report = report();
     assert!(!page(true).contains("How far the solvers are apart"));
     report.agreement = vec!["auto and closed_form: median 0".to_owned()];
-    assert!(html(&report, &[vec![]]).contains("<li>auto and closed_form: median 0</li>"));
+    assert!(html(&report, None, &[vec![]]).contains("<li>auto and closed_form: median 0</li>"));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::run::{Program, Run};
 use super::table::{self, Row};
 use super::{
     Report, Section, answer_gap, checks, claims, clarabel_checks, comparison_figure, notes, run_figure,
-    scenario_summary,
+    scenario_summary, story,
 };
 use crate::simulator::recording::Recording;
 
@@ -42,6 +42,8 @@ impl Experiment {
         let scenarios = self.runs.chunk_by(|a, b| a.recording.scenario == b.recording.scenario);
         Report {
             title: self.title.clone(),
+            // A failure stands before everything else.
+            story: if self.failures.is_empty() { story::of_runs(&self.runs) } else { None },
             introduction: self.question.iter().chain(&self.failures).cloned().collect(),
             agreement: agreement(&self.runs),
             claims: claims::of_runs(&self.runs),

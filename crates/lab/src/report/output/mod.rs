@@ -31,14 +31,12 @@ pub fn write(directory: &Path, report: &Report, outputs: &[Output]) -> Result<Ve
     let (svg, png) = (outputs.contains(&Output::Svg), outputs.contains(&Output::Png));
     let mut written = Vec::new();
     let mut drawn = Vec::with_capacity(report.sections.len());
+    let draw = |figure| Ok(Drawn { figure, drawing: drawing::drawing(figure)?, files: svg && png });
     for section in &report.sections {
-        let drawings = section
-            .figures
-            .iter()
-            .map(|figure| Ok(Drawn { figure, drawing: drawing::drawing(figure)?, files: svg && png }));
-        drawn.push(drawings.collect::<Result<Vec<_>, Error>>()?);
+        drawn.push(section.figures.iter().map(draw).collect::<Result<Vec<_>, Error>>()?);
     }
-    for Drawn { figure, drawing, .. } in drawn.iter().flatten() {
+    let story = report.story.as_ref().map(|story| draw(&story.figure)).transpose()?;
+    for Drawn { figure, drawing, .. } in drawn.iter().flatten().chain(&story) {
         if svg {
             written.push(write_file(directory, &format!("{}.svg", figure.name), drawing.svg.as_bytes())?);
         }
@@ -48,7 +46,7 @@ pub fn write(directory: &Path, report: &Report, outputs: &[Output]) -> Result<Ve
         }
     }
     if outputs.contains(&Output::Page) {
-        let page = document::html(report, &drawn);
+        let page = document::html(report, story.as_ref(), &drawn);
         written.push(write_file(directory, "index.html", page.as_bytes())?);
     }
     Ok(written)
