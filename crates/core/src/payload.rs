@@ -1,7 +1,7 @@
 //! Payload and bias of a wrist sensor, from its readings in several postures.
 //!
 //! At rest the sensor measures f = f_b + m g and t = t_b + (m c) × g, with the gravity g along its own axes. The mass m, its first
-//! moment m c and the biases are ten unknowns, which least squares finds. [`axes`] tells a wrong sign and exchanged axes: the weight of
+//! moment m c and the biases are ten unknowns, which least squares finds. [`AxisAssignment`] tells a wrong sign and exchanged axes: the weight of
 //! the tool has a known direction.
 
 mod axes;

@@ -89,6 +89,7 @@ fn six_postures_tell_mass_centre_and_bias_within_their_uncertainties() {
 }
 
 /// A sensor and its readings in random postures, enough of them, with a random truth. The tool weighs 0.3 to 5 kg.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "6 to 25 readings")]
 fn random_case(random: &mut Random) -> (Truth, Vec<PayloadReading>) {
     let mut direction = |rms| random.vector(rms);
     let (center, force_bias, torque_bias) = (direction(0.05), direction(10.0), direction(1.0));
