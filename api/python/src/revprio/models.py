@@ -107,6 +107,7 @@ __all__ = [
     "LinkFrame",
     "LinkShape",
     "LiveFrame",
+    "LiveRoom",
     "LiveSample",
     "LookAtLaw",
     "Memory",
@@ -3020,6 +3021,8 @@ class SimulationMetrics(Answer):
     - final_force_n: F_x at the end, N.
     - first_contact_s: Time of the first contact, s.
     - largest_joint_speed_rad_s: Maximum joint speed, rad/s.
+    - least_distance_m: Least distance of the pairs of shapes that the controller watches, m; `null` without such a
+      pair.
     - overshoot_n: Maximum excess of F_x over its target, N.
     - overshoot_percent: Maximum excess of F_x over its target, % of the target.
     - peak_force_n: Maximum F_x, N.
@@ -3039,6 +3042,8 @@ class SimulationMetrics(Answer):
     """Time of the first contact, s."""
     largest_joint_speed_rad_s: float | None = None
     """Maximum joint speed, rad/s."""
+    least_distance_m: float | None = None
+    """Least distance of the pairs of shapes that the controller watches, m; `null` without such a pair."""
     overshoot_n: float | None = None
     """Maximum excess of F_x over its target, N."""
     overshoot_percent: float | None = None
@@ -3092,6 +3097,39 @@ class Simulation(Answer):
     """Metrics of the run; only when it is finished."""
 
 
+class ObstacleState(Body):
+    """Where a moving obstacle is.
+
+    Fields:
+
+    - name: Name of the obstacle.
+    - position: Position of its middle in the base frame, m. Shape: 3.
+    - velocity: Its velocity, m/s; default: it stands. Shape: 3.
+    """
+
+    name: str
+    """Name of the obstacle."""
+    position: Vector
+    """Position of its middle in the base frame, m. Shape: 3."""
+    velocity: Vector | None = None
+    """Its velocity, m/s; default: it stands. Shape: 3."""
+
+
+class LiveRoom(Answer):
+    """The room around an arm in one control period.
+
+    Fields:
+
+    - obstacles: Where the moving obstacles are.
+    - report: Distances of the answer.
+    """
+
+    obstacles: list[ObstacleState]
+    """Where the moving obstacles are."""
+    report: CollisionReport
+    """Distances of the answer."""
+
+
 class LiveSample(Answer):
     """One control period, in single precision. Vectors of joints follow the robot's joint order.
 
@@ -3119,6 +3157,7 @@ class LiveSample(Answer):
     - time_s: Simulated time, s.
     - channels: Commands of the channels by name.
     - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
+    - room: The room around the arm; absent without collision avoidance, and before the first answer.
     - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
     """
 
@@ -3162,6 +3201,8 @@ class LiveSample(Answer):
     """Commands of the channels by name."""
     kkt_residual: float | None = None
     """Relative residual of the optimality conditions; `null` if there is none."""
+    room: LiveRoom | None = None
+    """The room around the arm; absent without collision avoidance, and before the first answer."""
     wall_distance_m: float | None = None
     """Distance to the wall, m, positive when free; `null` without a wall."""
 
@@ -3624,24 +3665,6 @@ NamedScenario = str | Scenario
 
 Obstacle = Literal["limits", "singularity", "higher_tasks"]
 """What holds a task back."""
-
-
-class ObstacleState(Body):
-    """Where a moving obstacle is.
-
-    Fields:
-
-    - name: Name of the obstacle.
-    - position: Position of its middle in the base frame, m. Shape: 3.
-    - velocity: Its velocity, m/s; default: it stands. Shape: 3.
-    """
-
-    name: str
-    """Name of the obstacle."""
-    position: Vector
-    """Position of its middle in the base frame, m. Shape: 3."""
-    velocity: Vector | None = None
-    """Its velocity, m/s; default: it stands. Shape: 3."""
 
 
 class PayloadAnswer(Answer):
