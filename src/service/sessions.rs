@@ -172,8 +172,10 @@ impl Sessions {
 
     /// Lists the open sessions, the last called one first.
     pub async fn list(&self) -> wire::SessionList {
-        let open: Vec<(Uuid, SharedSession)> =
+        let mut open: Vec<(Uuid, SharedSession)> =
             self.lock_active().iter().map(|(id, open)| (*id, Arc::clone(&open.session))).collect();
+        // A session in use makes the list wait. Its time must not depend on the order of the table.
+        open.sort_unstable_by_key(|(id, _)| *id);
         let mut controllers = Vec::with_capacity(open.len());
         for (id, session) in open {
             controllers.push(session.lock().await.entry(id));

@@ -68,7 +68,7 @@ impl Oracle {
                 if has_other { Ok(()) } else { Err("the key was not used before".to_owned()) }
             }
             (503, "too-many-controllers") => {
-                let most = self.open_at_most(instance);
+                let most = self.open_at_most(instance, sent.at);
                 if most >= self.config.max_sessions { Ok(()) } else { Err(format!("at most {most} sessions are open")) }
             }
             _ => expect(answer, &[201]),
@@ -151,9 +151,9 @@ impl Oracle {
         match answer.status {
             403 if !session.allows(owner) => Ok(()),
             204 if !session.allows(owner) => Err("a stranger deleted the session".to_owned()),
-            204 if session.is_deleted || session.instance != instance => Err("deleted twice".to_owned()),
+            204 if session.deleted_at.is_some() || session.instance != instance => Err("deleted twice".to_owned()),
             204 => {
-                session.is_deleted = true;
+                session.deleted_at = Some(Instant::now());
                 Ok(())
             }
             404 if sent.was_gone || session.may_be_gone_without(idle) => Ok(()),

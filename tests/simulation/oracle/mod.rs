@@ -121,14 +121,18 @@ impl Oracle {
 
     /// Returns the IDs of the sessions that may be open on an instance.
     pub fn known(&self, instance: u32) -> Vec<String> {
-        let open = self.sessions.iter().filter(|(_, session)| session.instance == instance && !session.is_deleted);
+        let open =
+            self.sessions.iter().filter(|(_, session)| session.instance == instance && session.deleted_at.is_none());
         open.map(|(id, _)| id.clone()).collect()
     }
 
-    /// Returns the maximum number of sessions that an instance may have.
-    fn open_at_most(&self, instance: u32) -> usize {
+    /// Returns the maximum number of sessions that an instance may have had since a time. The answer to a request may come
+    /// after that to the deletion of a session which was open when the request was refused.
+    fn open_at_most(&self, instance: u32, since: Instant) -> usize {
         let idle = self.config.session_idle;
-        let known = self.sessions.values().filter(|session| !session.must_be_gone(instance, idle)).count();
+        let was_open = |session: &Session| session.instance == instance && session.deleted_at >= Some(since);
+        let may_be_open = |session: &&Session| !session.must_be_gone(instance, idle) || was_open(session);
+        let known = self.sessions.values().filter(may_be_open).count();
         known + self.unknown(instance)
     }
 
@@ -146,7 +150,7 @@ impl Oracle {
             if session.must_be_open(instance, idle) && !listed(id) {
                 return Err(format!("session {id} is not in the list"));
             }
-            if session.is_deleted && session.instance == instance && listed(id) {
+            if session.deleted_at.is_some() && session.instance == instance && listed(id) {
                 return Err(format!("session {id} was deleted and is in the list"));
             }
         }

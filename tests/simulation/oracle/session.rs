@@ -34,7 +34,7 @@ pub struct Session {
     pub in_flight: u32,
     /// Number of requests to delete the session.
     pub deletions: u32,
-    pub is_deleted: bool,
+    pub deleted_at: Option<Instant>,
     /// Clients that stepped the session.
     pub clients: BTreeSet<String>,
     /// Time of the answer that opened the session.
@@ -60,7 +60,7 @@ impl Session {
             retries: 0,
             in_flight: 0,
             deletions: 0,
-            is_deleted: false,
+            deleted_at: None,
             clients: BTreeSet::new(),
             known_at: Instant::now(),
             called_at_least: sent,
@@ -105,7 +105,7 @@ impl Session {
     /// Returns whether requests to an instance cannot find the session any more.
     pub fn must_be_gone(&self, instance: u32, idle: Duration) -> bool {
         let is_idle = self.in_flight == 0 && Instant::now().saturating_duration_since(self.called_at_most) > idle;
-        self.instance != instance || self.is_deleted || is_idle
+        self.instance != instance || self.deleted_at.is_some() || is_idle
     }
 
     /// Returns whether the session cannot have ended.

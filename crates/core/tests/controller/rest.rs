@@ -119,7 +119,7 @@ impl fmt::Display for Loop {
 }
 
 pub(super) fn any_robot(random: &mut Random) -> Arc<RobotModel> {
-    let robot = random.pick(built_in());
+    let robot = random.pick(arms());
     if random.one_in(6) { Arc::new(with_jerk(&robot, random.pick(&[0.02, 0.05, 0.1]))) } else { robot }
 }
 
@@ -311,6 +311,12 @@ struct Finding {
     settled: [f64; 2],
 }
 
+/// Returns the arms of the loops: the first five, for which the tests name seeds, or the others.
+fn arms() -> &'static [Arc<RobotModel>] {
+    let are_others = std::env::var("ARMS").is_ok_and(|value| value == "other");
+    if are_others { &built_in()[5..] } else { &built_in()[..5] }
+}
+
 fn run_all(seeds: &[u64], path: Option<MotionPath>) -> Vec<Finding> {
     let mut all: Vec<Finding> = std::thread::scope(|scope| {
         let run = |part: usize| -> Vec<Finding> {
@@ -327,7 +333,7 @@ fn number_of(kind: Kind, all: &[Finding]) -> usize {
     all.iter().filter(|finding| finding.kind == kind).count()
 }
 
-/// `FROM` and `LOOPS` choose the loops, `LAW_PATH` a path on which the laws look ahead. The lines that begin with `csv` have the seed, what the loop does, swing, largest command that
+/// `FROM` and `LOOPS` choose the loops, `ARMS=other` the arms that no seed in a test names, `LAW_PATH` a path on which the laws look ahead. The lines that begin with `csv` have the seed, what the loop does, swing, largest command that
 /// chatters, last errors of position and orientation, and the times after which they stay near the last ones.
 #[test]
 #[ignore = "ten minutes"]
