@@ -87,6 +87,7 @@ impl Robots {
     }
 
     /// Sets the idle timeout of registered robots.
+    #[must_use]
     pub fn with_idle_timeout(self, idle_timeout: Duration) -> Self {
         Self { idle_timeout, ..self }
     }

@@ -102,19 +102,24 @@ fn spike(hybrid: &Recording, contact: Option<&Recording>) -> Option<String> {
         metrics.contacts,
     );
     if let Some(contact) = contact {
-        let law = Metrics::of(contact);
-        let count = if law.contacts == 1 { "one contact".to_owned() } else { format!("{} contacts", law.contacts) };
-        text.push_str(&format!(
-            " The law `contact`, with its defaults and at the same wall, approaches at {} mm/s and touches after {} s in place of {} s. \
-             It has {count}, peaks at {} N and ends at {} N.",
-            significant(MM * approach_speed(contact, law.first_contact_s?)?, 2),
-            significant(law.first_contact_s?, 2),
-            significant(metrics.first_contact_s?, 2),
-            significant(law.peak_force, 3),
-            significant(law.final_force?, 3),
-        ));
+        text += &contact_explained(contact, metrics.first_contact_s?)?;
     }
     Some(text)
+}
+
+/// Returns what the law `contact` does at the same wall; `first_contact_s`: when the law of the paper touches it, s.
+fn contact_explained(contact: &Recording, first_contact_s: f64) -> Option<String> {
+    let law = Metrics::of(contact);
+    let count = if law.contacts == 1 { "one contact".to_owned() } else { format!("{} contacts", law.contacts) };
+    Some(format!(
+        " The law `contact`, with its defaults and at the same wall, approaches at {} mm/s and touches after {} s in place of {} s. \
+         It has {count}, peaks at {} N and ends at {} N.",
+        significant(MM * approach_speed(contact, law.first_contact_s?)?, 2),
+        significant(law.first_contact_s?, 2),
+        significant(first_contact_s, 2),
+        significant(law.peak_force, 3),
+        significant(law.final_force?, 3),
+    ))
 }
 
 /// Returns the mean speed towards the wall before the first contact at this time (s), m/s.

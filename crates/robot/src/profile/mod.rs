@@ -288,9 +288,8 @@ mod tests {
             let [value, rate] = profile.bounds();
             let mut reached = [vec![0.0_f64; 2], vec![0.0; 2]];
             for point in (0..5000).map(|i| profile.at(1e-3 * f64::from(i))) {
-                for row in 0..2 {
-                    reached[0][row] = reached[0][row].max(point.value[row].abs());
-                    reached[1][row] = reached[1][row].max(point.rate[row].abs());
+                for (reached, entries) in reached.iter_mut().zip([&point.value, &point.rate]) {
+                    reached.iter_mut().zip(entries).for_each(|(reached, entry)| *reached = reached.max(entry.abs()));
                 }
             }
             for (reached, bound) in reached.iter().flatten().zip(value.iter().chain(&rate)) {

@@ -6,6 +6,7 @@ use super::{AtLimit, Contacts, Sample};
 
 impl Sample {
     /// Returns the same sample with the values of an answer: the command and what the answer says of it.
+    #[must_use]
     pub fn answered(self, tasks: &[wire::ControllerTask], answer: &wire::StepAnswer, joint_names: &[String]) -> Self {
         Self {
             joint_velocity: answer.joint_velocity.clone(),
