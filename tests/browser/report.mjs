@@ -13,8 +13,8 @@ import { TIMEOUT_MS, launch, open } from './harness.mjs';
 const options = { timeout: 4 * TIMEOUT_MS };
 const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 
-/** Largest height of the page at 1280 px, as it opens, px. */
-const MAX_HEIGHT = 6500;
+/** Largest height of the page at 1280 px, as it opens, px: the story, and the tables that are open. */
+const MAX_HEIGHT = 7000;
 
 let browser;
 let folder;
