@@ -22,7 +22,8 @@ MAX_AGE_S = 1.0
 class Chunks:
     """Receives a `JointTrajectory` for each task with the law `posture`, and a `PoseArray` for the laws of poses.
 
-    The laws of poses are `pose`, `impedance` and `hybrid`. The topics are `chunks/TASK`. The stamp is the time of the first action; zero means the time of arrival.
+    The laws of poses are `pose`, `impedance` and `hybrid`. The topics are `chunks/TASK`. The stamp is the time of
+    the first action; zero means the time of arrival.
     """
 
     def __init__(self, node: Node, clock: LoopClock, settings: Settings) -> None:

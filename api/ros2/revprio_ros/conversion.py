@@ -145,7 +145,7 @@ def trajectory_actions(message, joints):
 
 
 def pose_actions(message, interval_s):
-    """Converts geometry_msgs/PoseArray to actions `interval_s` apart: (seconds after the stamp, position, orientation)."""
+    """Converts geometry_msgs/PoseArray to actions `interval_s` apart: (s after the stamp, position, orientation)."""
     values = [pose(entry) for entry in message.poses]
     keys = ("position", "orientation")
     return [(k * interval_s, dict(zip(keys, value, strict=True))) for k, value in enumerate(values)]
