@@ -207,6 +207,9 @@ impl CollisionGuard {
 
     /// Returns whether a command (n) may be sent: its stop is free, or no nearer than necessary.
     pub fn allows(&mut self, moment: Moment, command: &[f64]) -> bool {
+        if self.knows_braking && self.of_braking.iter().all(|deficit| deficit.bound >= 0.0) {
+            return self.is_free(moment, command);
+        }
         self.check_stop(moment, command);
         self.report.stop_s = self.path.duration();
         if self.deficits.iter().all(|deficit| deficit.bound >= 0.0) {
@@ -239,6 +242,19 @@ impl CollisionGuard {
         false
     }
 
+    /// Returns whether the stop of a command (n) is free, where that of full braking is. The first pair that is too near ends the check.
+    fn is_free(&mut self, moment: Moment, command: &[f64]) -> bool {
+        self.follow_stop(moment, command);
+        self.report.stop_s = self.path.duration();
+        let is_free = command == self.braking || {
+            let stride = self.path.stride();
+            let now = (&self.now, self.distances.as_slice());
+            self.check.first_refused(self.surroundings.scene(), (&self.path, stride), now).is_none()
+        };
+        self.report.is_violated = !is_free;
+        is_free
+    }
+
     /// Says in which share of the box around full braking the command lies.
     pub fn set_share(&mut self, share: f64) {
         self.report.share = share;
@@ -246,12 +262,17 @@ impl CollisionGuard {
 
     /// Checks the stop after a command that acts for one period.
     fn check_stop(&mut self, moment: Moment, command: &[f64]) {
+        self.follow_stop(moment, command);
+        let scene = self.surroundings.scene();
+        self.check.check(scene, &self.path, (&self.now, &self.distances), &mut self.deficits);
+    }
+
+    /// Moves the path along the stop after a command that acts for one period.
+    fn follow_stop(&mut self, moment: Moment, command: &[f64]) {
         for (joint, acceleration) in self.acceleration.iter_mut().enumerate() {
             *acceleration = (command[joint] - moment.arm.last_command[joint]) / self.period;
         }
         self.follow(moment, (command, 1), self.keeps_jerk);
-        let scene = self.surroundings.scene();
-        self.check.check(scene, &self.path, (&self.now, &self.distances), &mut self.deficits);
     }
 
     /// Moves the path along if a command is held for some periods and braking follows, with jerk limits or without.
@@ -267,29 +288,29 @@ impl CollisionGuard {
         self.report.clear_for_s = self.hold_time(moment, command, longest);
     }
 
-    /// Returns the longest of some times, at most `longest` (s), after which a watchdog can brake so that the stop is free.
+    /// Returns a time, at most `longest` (s), after which a watchdog can brake so that the stop is free: `longest`, or else S, 2 S, 4 S …
+    /// as long as that holds.
     fn hold_time(&mut self, moment: Moment, command: &[f64], longest: f64) -> f64 {
         if self.report.stop_s == 0.0 {
             return longest;
         }
-        let mut time = longest.min(spare_time(self.period).max(LONGEST_HOLD));
-        loop {
-            let Some(refused) = self.refused_after(moment, command, time) else { return time };
-            // A hold that lasts until then has the same way until then.
-            let longest = refused - self.drive.delay_periods as f64 * self.period;
-            loop {
-                if time <= spare_time(self.period) {
-                    // The command itself was allowed for one period.
-                    let is_allowed =
-                        self.report.is_violated || self.refused_after(moment, command, self.period).is_none();
-                    return if is_allowed { self.period } else { 0.0 };
-                }
-                time = (0.5 * time).max(spare_time(self.period));
-                if time < longest {
-                    break;
-                }
-            }
+        let shortest = spare_time(self.period);
+        let longest = longest.min(shortest.max(LONGEST_HOLD));
+        let Some(refused) = self.refused_after(moment, command, longest) else { return longest };
+        // A hold that lasts until then has the same way until then.
+        let longest = longest.min(refused - self.drive.delay_periods as f64 * self.period);
+        let (mut held, mut time) = (None, shortest);
+        while time < longest && self.refused_after(moment, command, time).is_none() {
+            held = Some(time);
+            time *= 2.0;
         }
+        held.unwrap_or_else(|| if self.may_act_for_a_period(moment, command) { self.period } else { 0.0 })
+    }
+
+    /// Returns whether a watchdog may brake after one period.
+    fn may_act_for_a_period(&mut self, moment: Moment, command: &[f64]) -> bool {
+        // The command was allowed for one period, and a watchdog brakes as its stop does if that keeps no jerk limits.
+        self.report.is_violated || !self.keeps_jerk || self.refused_after(moment, command, self.period).is_none()
     }
 
     /// Returns when the arm comes too near if a command is held for a time and a watchdog then brakes, all in s; `None`: never.

@@ -148,6 +148,12 @@ impl Pair {
         to.frame(self.common).rotation * (from.frame(self.common).rotation.inverse() * normal)
     }
 
+    /// Returns how far both shapes can move towards each other, m, for the ways of the joints (n) in a time, s.
+    #[inline]
+    pub fn way(&self, ways: &[f64], time: f64, world: World) -> f64 {
+        self.levers.way(ways) + time * self.obstacle_speed(world)
+    }
+
     /// Returns the largest speed at which an obstacle comes nearer, m/s.
     pub fn obstacle_speed(&self, world: World) -> f64 {
         match self.other {

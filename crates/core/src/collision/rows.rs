@@ -165,7 +165,7 @@ impl Rows {
         for (pair, &distance) in scene.pairs.iter().zip(distances) {
             for k in 0..count {
                 let place = &self.places[k];
-                let way = pair.levers.way(&place.ways) + place.time * pair.obstacle_speed(scene.world);
+                let way = pair.way(&place.ways, place.time, scene.world);
                 if share * (distance - way - margin) < self.reach(pair, &place.moved) {
                     found += self.write_at(scene, nominal, (pair, k, share, margin), distance, rows);
                 }

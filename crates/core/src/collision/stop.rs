@@ -73,6 +73,8 @@ pub struct StopPath {
     travelled: Vec<f64>,
     /// Commands in the order in which they are sent, n each.
     commands: Vec<f64>,
+    /// How much the command of each joint changes in a period of braking, n.
+    changes: Vec<f64>,
     /// Number of periods.
     periods: usize,
     /// Number of periods for which commands differ from zero.
@@ -89,7 +91,20 @@ impl StopPath {
         let nodes = n * (periods + SETTLING.len() + 1);
         let memory = || Vec::with_capacity(nodes);
         let (position, velocity, travelled, commands) = (memory(), memory(), memory(), memory());
-        Self { n, period, position, velocity, travelled, commands, periods: 0, sent: 0, lag: 0.0, jumps: false }
+        let changes = Vec::with_capacity(n);
+        Self {
+            n,
+            period,
+            position,
+            velocity,
+            travelled,
+            commands,
+            changes,
+            periods: 0,
+            sent: 0,
+            lag: 0.0,
+            jumps: false,
+        }
     }
 
     /// Says that joints may jump to another velocity. The velocity before a jump is then no part of the motion after it.
@@ -118,13 +133,13 @@ impl StopPath {
         for (k, acting) in pending.chain(self.commands.chunks_exact(n)).enumerate() {
             let [position, velocity, travelled] = [&mut self.position, &mut self.velocity, &mut self.travelled]
                 .map(|memory| memory[k * n..(k + 2) * n].split_at_mut(n));
-            for joint in 0..n {
-                let (acting, before) = (acting[joint], velocity.0[joint]);
-                let difference = before - acting;
-                let after = acting + difference * remaining;
-                position.1[joint] = position.0[joint] + period * acting + difference * lag_way;
-                velocity.1[joint] = after;
-                travelled.1[joint] = travelled.0[joint] + period * before.abs().max(after.abs());
+            let before = velocity.0.iter().zip(position.0).zip(travelled.0);
+            let after = velocity.1.iter_mut().zip(position.1).zip(travelled.1);
+            for ((acting, ((v, q), way)), ((next_v, next_q), next_way)) in acting.iter().zip(before).zip(after) {
+                let difference = *v - acting;
+                *next_v = acting + difference * remaining;
+                *next_q = *q + period * acting + difference * lag_way;
+                *next_way = *way + period * v.abs().max(next_v.abs());
             }
         }
         for share in SETTLING {
@@ -138,28 +153,57 @@ impl StopPath {
 
     /// Overwrites the commands with those of a stop, without the zeros at its end.
     fn write_commands(&mut self, period: f64, braking: Braking) {
-        let Braking { robot, command, held, acceleration } = braking;
-        let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
+        let Braking { command, held, acceleration, .. } = braking;
+        let capacity = self.velocity.capacity() / self.n;
         self.commands.clear();
         for _ in 0..held.min(capacity) {
             self.commands.extend_from_slice(command);
         }
         self.sent = held.min(capacity);
+        match acceleration {
+            Some(acceleration) => self.brake_with_jerk_limits(period, braking, acceleration),
+            None => self.brake(period, braking),
+        }
+    }
+
+    /// Adds commands that brake each joint as fast as its limits of acceleration allow, see [`full_braking`].
+    fn brake(&mut self, period: f64, braking: Braking) {
+        let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
+        self.changes.clear();
+        self.changes.extend(braking.robot.joints().iter().map(|joint| braking_deceleration(&joint.limits) * period));
+        let mut moves = braking.command.iter().any(|entry| *entry != 0.0);
+        while moves && self.sent < capacity {
+            moves = false;
+            let end = self.sent * n;
+            self.commands.resize(end + n, 0.0);
+            let (before, next) = self.commands.split_at_mut(end);
+            let last = before.len().checked_sub(n).map_or(braking.command, |start| &before[start..]);
+            for ((next, last), change) in next.iter_mut().zip(last).zip(&self.changes) {
+                *next = last - last.clamp(-change, *change);
+                moves |= *next != 0.0;
+            }
+            self.sent += 1;
+        }
+    }
+
+    /// Adds commands that brake each joint as fast as its limits of acceleration and jerk allow; `first`: the acceleration of the
+    /// command, n.
+    fn brake_with_jerk_limits(&mut self, period: f64, Braking { robot, command, held, .. }: Braking, first: &[f64]) {
+        let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
         // A joint at zero speed with an acceleration moves on, too.
-        let mut moves = command.iter().chain(acceleration.into_iter().flatten()).any(|entry| *entry != 0.0);
+        let mut moves = command.iter().chain(first).any(|entry| *entry != 0.0);
         while moves && self.sent < capacity {
             moves = false;
             for (joint, description) in robot.joints().iter().enumerate() {
-                let limits = &description.limits;
                 let last = if self.sent == 0 { command[joint] } else { self.commands[(self.sent - 1) * n + joint] };
-                let known = acceleration.map(|first| match self.sent {
+                let known = match self.sent {
                     0 => first[joint],
                     1 if held == 1 => first[joint],
                     // While a command is held, its acceleration is zero.
                     1 => 0.0,
                     sent => (last - self.commands[(sent - 2) * n + joint]) / period,
-                });
-                let next = full_braking(limits, (last, known), period);
+                };
+                let next = full_braking(&description.limits, (last, Some(known)), period);
                 moves |= next != 0.0;
                 self.commands.push(next);
             }
@@ -186,6 +230,11 @@ impl StopPath {
     /// Returns the number of periods between two samples.
     pub fn stride(&self) -> usize {
         stride(self.period)
+    }
+
+    /// Returns the node some periods after another one. From the end of the last period on, it is the next one.
+    pub fn next_node(&self, node: usize, periods: usize) -> usize {
+        if node < self.periods { (node + periods).min(self.periods) } else { node + 1 }
     }
 
     /// Returns the node at the end of the last period; from it on, the joints move straight to rest.

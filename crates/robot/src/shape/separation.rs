@@ -161,21 +161,22 @@ fn nearest_parameters(u: &Vector3<f64>, v: &Vector3<f64>, between: &Vector3<f64>
     }
     // The determinant as that of a cross product, which does not cancel where the segments are nearly parallel.
     let determinant = u.cross(v).norm_squared();
-    let inner = if determinant > 0.0 { (uv * vb - ub * vv) / determinant } else { 0.0 };
-    let across = (vb + inner * uv) / vv;
-    if determinant > NEARLY_PARALLEL * uu * vv && (0.0..=1.0).contains(&inner) && (0.0..=1.0).contains(&across) {
-        return (inner, across);
+    let inner = if determinant > 0.0 { clamp((uv * vb - ub * vv) / determinant) } else { 0.0 };
+    let of_t = |t: f64| (clamp((t * uv - ub) / uu), t);
+    if determinant > NEARLY_PARALLEL * uu * vv {
+        // The best s of the lines, clamped, has a best t. If that lies outside, the nearer end of the other segment is nearest.
+        let across = (vb + inner * uv) / vv;
+        return if (0.0..=1.0).contains(&across) { (inner, across) } else { of_t(clamp(across)) };
     }
-    let inner = clamp(inner);
     // The function is convex, so the best of what each edge and the inside give is the best of all.
     let of_s = |s: f64| (s, clamp((vb + s * uv) / vv));
-    let of_t = |t: f64| (clamp((t * uv - ub) / uu), t);
-    let candidates = [of_s(inner), of_s(0.0), of_s(1.0), of_t(0.0), of_t(1.0)];
     let length = |(s, t): (f64, f64)| (between + u * s - v * t).norm_squared();
-    let mut best = candidates[0];
-    for candidate in candidates {
-        if length(candidate) < length(best) {
-            best = candidate;
+    let mut best = of_s(inner);
+    let mut least = length(best);
+    for candidate in [of_s(0.0), of_s(1.0), of_t(0.0), of_t(1.0)] {
+        let found = length(candidate);
+        if found < least {
+            (best, least) = (candidate, found);
         }
     }
     best
