@@ -29,6 +29,83 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
+/// What the presets `push` and `wipe` may be told beyond the force. All units are SI.
+struct PressOptions {
+    Json hold = "rest";                         ///< Axes that a further task holds; "rest": all others; `nullptr`: no such task.
+    double period_s = 0.001;                    ///< Period of the controller.
+    double lag_s = 0.03;                        ///< Lag of the arm's velocity loop: the default of the `drive` of a controller.
+    int delay_periods = 2;                      ///< Delay of a command: the default of the `drive` of a controller.
+    std::optional<double> approach_speed = {};  ///< Default: the largest that keeps 1.2 times the force.
+    std::optional<double> stiffest = {};        ///< Stiffness of the stiffest contact, N/m; default 1e6.
+    std::optional<double> max_force = {};       ///< Force at which the tool leaves; default: none.
+};
+
+/// What the preset `wipe` may be told beyond `PressOptions`.
+struct WipeOptions : PressOptions {
+    double stroke_m = 0.1; ///< Way from the start along the axis and back; negative: the other direction.
+    double speed = 0.05;   ///< Largest speed, m/s.
+    Json frame = "base";   ///< Axes of pressing, motion and hold; a pose for a tilted surface.
+};
+
+namespace presets {
+
+inline Json contact_law(double newtons, const PressOptions& options) {
+    if (!std::isfinite(newtons) || newtons == 0)
+        throw std::invalid_argument("give a force; its sign is the direction in which the tool presses");
+    Json law{{"kind", "contact"}, {"target_force", {{"kind", "constant"}, {"value", newtons}}}};
+    if (options.approach_speed) law["approach_speed"] = *options.approach_speed;
+    if (options.stiffest) law["stiffest"] = *options.stiffest;
+    if (options.max_force) law["max_force"] = *options.max_force;
+    return law;
+}
+
+inline double pose_gain(const PressOptions& options) {
+    const double to_rest = options.lag_s + options.delay_periods * options.period_s;
+    return to_rest <= 0 ? 2.0 : std::min(2.0, 1 / (8 * to_rest));
+}
+
+inline void hold_others(Json& tasks, const std::vector<std::string>& moved, const Json& frame, const PressOptions& options) {
+    Json held = Json::array();
+    if (options.hold.is_array()) held = options.hold;
+    if (options.hold == "rest")
+        for (const char* axis : {"x", "y", "z", "rx", "ry", "rz"})
+            if (std::find(moved.begin(), moved.end(), axis) == moved.end()) held.push_back(axis);
+    if (held.empty()) return;
+    const Json law{{"kind", "pose"}, {"gain", pose_gain(options)}};
+    tasks.push_back({{"name", "hold"}, {"axes", held}, {"frame", frame}, {"law", law}});
+}
+
+} // namespace presets
+
+/// Returns the tasks that press with a force (N, N·m for an axis of rotation) along one axis of the base and hold the others. The sign
+/// of the force is the direction in which the tool presses. The law `contact` needs no stiffness; see docs/contact.md.
+inline Json push(const std::string& axis, double newtons, const PressOptions& options = {}) {
+    Json tasks = Json::array();
+    tasks.push_back({{"name", "push"}, {"axes", {axis}}, {"law", presets::contact_law(newtons, options)}});
+    presets::hold_others(tasks, {axis}, "base", options);
+    return tasks;
+}
+
+/// Returns the tasks that press along one axis and move back and forth along another one, "x", "y" or "z". The motion begins with the
+/// first state, also while the tool still approaches the surface.
+inline Json wipe(const std::string& axis, double newtons, const std::string& along, const WipeOptions& options = {}) {
+    if ((along != "x" && along != "y" && along != "z") || along == axis)
+        throw std::invalid_argument("move along x, y or z, and along another axis than the one along which the tool presses");
+    if (!std::isfinite(options.stroke_m) || options.stroke_m == 0)
+        throw std::invalid_argument("give a way; its sign is the direction in which the motion begins");
+    if (!std::isfinite(options.speed) || options.speed <= 0) throw std::invalid_argument("give a speed above 0");
+    const double half = options.stroke_m / 2;
+    const Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half},
+                   {"angular_frequency_rad_s", options.speed / std::abs(half)}, {"phase_rad", -std::acos(0.0)}};
+    const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
+    Json tasks = Json::array();
+    tasks.push_back({{"name", "push"}, {"axes", {axis}}, {"frame", options.frame},
+                     {"law", presets::contact_law(newtons, options)}});
+    tasks.push_back({{"name", "wipe"}, {"axes", {along}}, {"frame", options.frame}, {"law", sweep}});
+    presets::hold_others(tasks, {axis, along}, options.frame, options);
+    return tasks;
+}
+
 /// Base class of all errors that concern the service.
 class Error : public std::runtime_error {
 public:

@@ -210,6 +210,32 @@ void replaces_its_controller(revprio::Client& client) {
     check(problem.pointer == "/period_s", "the refusal names the field");
 }
 
+/// Presets give controllers that the service accepts, and refuse what has no meaning.
+void presets(revprio::Client& client) {
+    Json controller{{"robot", "sawyer_dh"}, {"period_s", 0.001}, {"tasks", revprio::push("z", -15)}};
+    revprio::PressOptions soft;
+    soft.hold = {"y"};
+    soft.stiffest = 1e5;
+    check(revprio::push("x", 5, soft).at(1).at("axes") == Json({"y"}), "a push holds the axes that it is told");
+    soft.hold = nullptr;
+    check(revprio::push("x", 5, soft).size() == 1, "a push without a second task");
+    revprio::Measurement now;
+    now.joint_position = POSTURE;
+    now.force = {0, 0, 0};
+    revprio::Session pushing(client, controller);
+    const Json contact = pushing.step(now).at("tasks").at(0).at("contact").at(0);
+    check(contact.at("state") == "approach", "a push approaches");
+    revprio::WipeOptions tilted;
+    tilted.frame = {{"position", {0, 0, 0}}, {"orientation", {{"w", 0.8}, {"x", 0.6}, {"y", 0}, {"z", 0}}}};
+    controller["tasks"] = revprio::wipe("z", -15, "y", tilted);
+    revprio::Session wiping(client, controller);
+    const Json tasks = wiping.step(now).at("tasks");
+    check(tasks.size() == 3 && tasks.at(1).at("name") == "wipe", "a wipe has three tasks");
+    expect_throw<std::invalid_argument>([] { revprio::push("z", 0); }, "a push without a force is refused");
+    expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "z"); }, "a wipe along the pressing axis is refused");
+    expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "rx"); }, "a wipe that turns is refused");
+}
+
 /// The session ends during the loop: the arm brakes within its limits and comes to rest.
 void loop_ends_at_rest(revprio::Client& client) {
     Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
@@ -273,6 +299,7 @@ int main(int argc, char** argv) {
     closed_loop(client);
     targets(client);
     replaces_its_controller(client);
+    presets(client);
     loop_ends_at_rest(client);
     token(argv[2]);
     std::puts("all tests passed");

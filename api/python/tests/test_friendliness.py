@@ -199,7 +199,7 @@ def test_presets_and_controllers_expect_the_same_drive() -> None:
     stated = inspect.getdoc(models.JointDrive) or ""
     assert f"default {presets.DELAY_PERIODS}." in stated
     assert f"Default {presets.LAG_S}." in stated
-    for preset in (revprio.push, revprio.follow):
+    for preset in (revprio.push, revprio.wipe, revprio.follow):
         defaults = {name: field.default for name, field in inspect.signature(preset).parameters.items()}
         assert (defaults["lag_s"], defaults["delay_periods"]) == (presets.LAG_S, presets.DELAY_PERIODS)
 
@@ -239,6 +239,50 @@ def test_a_push_presses_on_walls_of_unknown_stiffness(stiffness: float) -> None:
     assert contact.unavoidable_peak > 15
     assert force == pytest.approx(15, rel=0.02)
     assert peak < 1.1 * max(18, contact.unavoidable_peak * stiffness / 1e6)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.26])
+def test_a_wipe_keeps_its_force_on_a_surface_with_friction(tilt: float) -> None:
+    """The surface is tilted about y, and the friction coefficient is 0.3."""
+    q, period_s = np.array([2.9, -0.4, 3.0, 2.1, 3.0, -0.6, 0.2]), 0.002
+    normal = np.array([np.sin(tilt), 0, np.cos(tilt)])
+    orientation = models.Orientation(w=np.cos(tilt / 2), x=0, y=np.sin(tilt / 2), z=0)
+    frame = models.Pose(position=[0, 0, 0], orientation=orientation)
+    tool = [np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position)]
+    height, pressed = normal @ tool[0] - 0.001, []
+    tasks = revprio.wipe("z", -15, "y", frame=frame)
+    with revprio.Controller(robot="sawyer_dh", period_s=period_s, tasks=tasks) as arm:
+        for _ in range(2000):
+            tool.append(np.asarray(revprio.kinematics(robot="sawyer_dh", joint_position=q).pose.position))
+            along = (tool[-1] - tool[-2]) / period_s
+            along = along - normal * (normal @ along)
+            speed = float(np.linalg.norm(along)) + 1e-12
+            pressed.append(1e4 * max(float(height - normal @ tool[-1]), 0.0))
+            force = -pressed[-1] * normal + 0.3 * pressed[-1] * np.tanh(speed / 0.005) * along / speed
+            q = q + period_s * arm.step(q, wrench=[*force, 0, 0, 0]).joint_velocity
+    way = np.array(tool)[:, 1] - tool[0][1]
+    assert max(pressed) < 1.1 * 15
+    assert np.ptp(pressed[-500:]) < 0.5
+    assert np.mean(pressed[-500:]) == pytest.approx(15, abs=0.3)
+    assert way.min() > -1e-3
+    assert way.max() == pytest.approx(0.1, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pointer"),
+    [
+        ({"newtons": 0, "along": "y"}, "/newtons"),
+        ({"newtons": 5, "along": "z"}, "/along"),
+        ({"newtons": 5, "along": "rx"}, "/along"),
+        ({"newtons": 5, "along": "y", "stroke_m": 0}, "/stroke_m"),
+        ({"newtons": 5, "along": "y", "stroke_m": np.nan}, "/stroke_m"),
+        ({"newtons": 5, "along": "y", "speed": 0}, "/speed"),
+    ],
+)
+def test_a_wipe_without_a_meaning_is_refused(arguments: dict[str, object], pointer: str) -> None:
+    with pytest.raises(InvalidError) as refusal:
+        revprio.wipe("z", **arguments)  # type: ignore[arg-type]
+    assert refusal.value.pointer == pointer
 
 
 def test_a_tool_follows_a_pose() -> None:

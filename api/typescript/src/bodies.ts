@@ -8,6 +8,7 @@ export type ChunkAction = Schemas["ChunkAction"];
 export type Controller = Schemas["Controller"];
 export type ControllerTask = Schemas["ControllerTask"];
 export type CreatedController = Schemas["CreatedController"];
+export type Frame = Schemas["Frame"];
 export type KinematicsAnswer = Schemas["KinematicsAnswer"];
 export type KinematicsRequest = Schemas["KinematicsRequest"];
 export type Law = Schemas["Law"];

@@ -6,7 +6,7 @@ export { drive, type Arm, type DriveOptions } from "./drive.js";
 export { ForeignAnswerError, LateAnswerError, NoAnswerError, ProblemError, RevprioError } from "./errors.js";
 export type { components, paths } from "./generated.js";
 export type { Drive } from "./pace.js";
-export { push, type PushOptions } from "./presets.js";
+export { push, wipe, type PushOptions, type WipeOptions } from "./presets.js";
 export { SimulationRun } from "./simulation.js";
 export type { WebSocketFactory, WebSocketLike } from "./socket.js";
 export { Stepping } from "./stepping.js";

@@ -1,4 +1,4 @@
-import type { Axis, ControllerTask, Law } from "./bodies.js";
+import type { Axis, ControllerTask, Frame, Law } from "./bodies.js";
 
 const AXES: readonly Axis[] = ["x", "y", "z", "rx", "ry", "rz"];
 
@@ -37,23 +37,69 @@ export interface PushOptions {
  * tool presses.
  */
 export function push(axis: Axis, newtons: number, options: PushOptions = {}): ControllerTask[] {
+  const { hold = "rest" } = options;
+  const held = hold === "rest" ? AXES.filter((other) => other !== axis) : (hold ?? []);
+  const tasks: ControllerTask[] = [{ name: "push", axes: [axis], law: contactLaw(newtons, options) }];
+  if (held.length > 0) tasks.push({ name: "hold", axes: held, law: { kind: "pose", gain: poseGain(options) } });
+  return tasks;
+}
+
+/** Options of {@link wipe}. */
+export interface WipeOptions extends PushOptions {
+  /** Way from the start along the axis and back, m; negative: the other direction. Default 0.1. */
+  strokeM?: number;
+  /** Largest speed, m/s; default 0.05. */
+  speed?: number;
+  /** Axes of pressing, motion and hold; a pose for a tilted surface. Default `"base"`. */
+  frame?: Frame;
+}
+
+/**
+ * Returns the tasks that press with a force along one axis and move back and forth along another one, `x`, `y` or `z`.
+ * The motion begins with the first state, also while the tool still approaches the surface.
+ */
+export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOptions = {}): ControllerTask[] {
+  const { hold = "rest", strokeM = 0.1, speed = 0.05, frame = "base" } = options;
+  if (!["x", "y", "z"].includes(along) || along === axis) {
+    throw new RangeError("move along `x`, `y` or `z`, and along another axis than the one along which the tool presses");
+  }
+  if (!Number.isFinite(strokeM) || strokeM === 0) {
+    throw new RangeError("give a way; its sign is the direction in which the motion begins");
+  }
+  if (!Number.isFinite(speed) || speed <= 0) throw new RangeError("give a speed above 0");
+  const gain = poseGain(options);
+  const half = strokeM / 2;
+  const way = {
+    kind: "sine" as const,
+    offset: half,
+    amplitude: half,
+    angular_frequency_rad_s: speed / Math.abs(half),
+    phase_rad: -Math.PI / 2,
+  };
+  const tasks: ControllerTask[] = [
+    { name: "push", axes: [axis], frame, law: contactLaw(newtons, options) },
+    { name: "wipe", axes: [along], frame, law: { kind: "pose", gain, target_displacement: way } },
+  ];
+  const held = hold === "rest" ? AXES.filter((other) => other !== axis && other !== along) : (hold ?? []);
+  if (held.length > 0) tasks.push({ name: "hold", axes: held, frame, law: { kind: "pose", gain } });
+  return tasks;
+}
+
+function contactLaw(newtons: number, options: PushOptions): Law {
   if (!Number.isFinite(newtons) || newtons === 0) {
     throw new RangeError("give a force; its sign is the direction in which the tool presses");
   }
-  const { hold = "rest", periodS = 0.001, lagS = LAG_S, delayPeriods = DELAY_PERIODS } = options;
-  const held = hold === "rest" ? AXES.filter((other) => other !== axis) : (hold ?? []);
-  const toRest = lagS + delayPeriods * periodS;
-  const law: Law = {
+  return {
     kind: "contact",
     target_force: { kind: "constant", value: newtons },
     ...(options.approachSpeed !== undefined && { approach_speed: options.approachSpeed }),
     ...(options.stiffest !== undefined && { stiffest: options.stiffest }),
     ...(options.maxForce !== undefined && { max_force: options.maxForce }),
   };
-  const tasks: ControllerTask[] = [{ name: "push", axes: [axis], law }];
-  if (held.length > 0) {
-    const gain = toRest <= 0 ? POSE_GAIN : Math.min(POSE_GAIN, 1 / (8 * toRest));
-    tasks.push({ name: "hold", axes: held, law: { kind: "pose", gain } });
-  }
-  return tasks;
+}
+
+/** Gain of a pose law, 1/s, for the arm of the options. */
+function poseGain({ periodS = 0.001, lagS = LAG_S, delayPeriods = DELAY_PERIODS }: PushOptions): number {
+  const toRest = lagS + delayPeriods * periodS;
+  return toRest <= 0 ? POSE_GAIN : Math.min(POSE_GAIN, 1 / (8 * toRest));
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { suite, test } from "node:test";
-import { push } from "../src/index.js";
+import { push, wipe } from "../src/index.js";
 import { POSTURE, serve, testClient } from "./service.js";
 
 suite("presets", () => {
@@ -22,6 +22,28 @@ suite("presets", () => {
     assert.deepEqual(push("x", 5, { hold: ["y"] })[1]?.axes, ["y"]);
     assert.throws(() => push("x", 0), RangeError);
     assert.throws(() => push("x", Number.NaN), RangeError);
+  });
+
+  test("a wipe presses, moves from the start and back, and holds the others", async (t) => {
+    const tasks = wipe("z", -15, "y", { strokeM: -0.2, speed: 0.05 });
+    const [press, sweep, hold] = tasks;
+    assert.equal(press?.law?.kind, "contact");
+    const way = sweep?.law?.kind === "pose" ? sweep.law.target_displacement : undefined;
+    const expected = { kind: "sine", offset: -0.1, amplitude: -0.1, angular_frequency_rad_s: 0.5, phase_rad: -Math.PI / 2 };
+    assert.deepEqual(way, expected);
+    assert.deepEqual(hold?.axes, ["x", "rx", "ry", "rz"]);
+    for (const along of ["z", "rx"] as const) assert.throws(() => wipe("z", -15, along), RangeError);
+    assert.throws(() => wipe("z", -15, "y", { strokeM: 0 }), RangeError);
+    assert.throws(() => wipe("z", -15, "y", { speed: 0 }), RangeError);
+    const client = testClient((await serve(t)).url);
+    const session = await client.session({ robot: "sawyer_dh", period_s: 0.001, tasks });
+    const wrench = { force: [0, 0, 0], torque: [0, 0, 0] };
+    const answer = await session.step({ joint_position: POSTURE, wrench });
+    assert.deepEqual(
+      answer.tasks.map((task) => task.name),
+      ["push", "wipe", "hold"],
+    );
+    await session.close();
   });
 
   test("an answer to a push tells the contact", async (t) => {

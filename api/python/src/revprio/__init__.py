@@ -32,6 +32,7 @@ from revprio.presets import characteristic_length as characteristic_length
 from revprio.presets import follow as follow
 from revprio.presets import push as push
 from revprio.presets import push_with_damping as push_with_damping
+from revprio.presets import wipe as wipe
 from revprio.remote import Session as Session
 from revprio.remote import Stateless as Stateless
 from revprio.remote import Stream as Stream

@@ -18,14 +18,18 @@ from revprio.models import (
     ControllerTask,
     EnvironmentAxis,
     ForceLaw,
+    Frame,
     Orientation,
     Pose,
     PoseLaw,
     Problem,
+    SineProfile,
     StabilityAnswer,
 )
 
 AXES: tuple[Axis, ...] = get_args(Axis)
+
+TRANSLATIONS = ("x", "y", "z")
 
 SAFETY_FACTOR = 2.0
 """Factor between the damping of a force law and the ends of its stable interval; see docs/guides/choose-gains.md."""
@@ -72,18 +76,76 @@ def push(  # noqa: PLR0913
     `stiffest`: stiffness of the stiffest contact, N/m; default: 1e6.
     `max_force`: force at which the tool leaves, N; default: none.
     """
+    law = _contact(newtons, approach_speed, stiffest, max_force)
+    return _pushing(axis, law, hold, lag_s + delay_periods * period_s)
+
+
+def wipe(  # noqa: PLR0913
+    axis: Axis,
+    newtons: float,
+    along: Axis,
+    *,
+    stroke_m: float = 0.1,
+    speed: float = 0.05,
+    frame: Frame = "base",
+    hold: Literal["rest"] | Sequence[Axis] | None = "rest",
+    period_s: float = 0.001,
+    lag_s: float = LAG_S,
+    delay_periods: int = DELAY_PERIODS,
+    approach_speed: float | None = None,
+    stiffest: float | None = None,
+    max_force: float | None = None,
+) -> list[ControllerTask]:
+    """Returns the tasks that press with a force along one axis and move back and forth along another one.
+
+    The motion begins with the first state, also while the tool still approaches the surface. Friction at the surface
+    does not change it.
+
+    `axis`: axis along which the tool presses; `newtons`: target force on the environment, N. Its sign is the direction
+    in which the tool presses.
+    `along`: axis of the motion, x, y or z; `stroke_m`: way from the start along this axis and back, m, negative for the
+    other direction; `speed`: largest speed, m/s.
+    `frame`: axes of both, the base by default; a `Pose` for a tilted surface.
+    `hold`: axes of the same frame that a third task holds; `"rest"`: all others; `None`: no third task.
+    The other arguments are those of `push`.
+    """
+    if along not in TRANSLATIONS or along == axis:
+        raise _invalid("/along", "give `x`, `y` or `z`, and another axis than the one along which the tool presses")
+    if _finite("/stroke_m", stroke_m) == 0:
+        raise _invalid("/stroke_m", "give a way; its sign is the direction in which the motion begins")
+    if _finite("/speed", speed) <= 0:
+        raise _invalid("/speed", "give a number above 0")
+    gain = pose_gain(lag_s + delay_periods * period_s)
+    half = stroke_m / 2
+    # From the start and back: half − half cos ω t.
+    way = SineProfile(offset=half, amplitude=half, angular_frequency_rad_s=speed / abs(half), phase_rad=-math.pi / 2)
+    law = _contact(newtons, approach_speed, stiffest, max_force)
+    sweep = PoseLaw(gain=gain, target_displacement=way)
+    held = [other for other in AXES if other not in (axis, along)] if hold == "rest" else list(hold or [])
+    tasks = [
+        ControllerTask(name="push", axes=axis, frame=frame, law=law),
+        ControllerTask(name="wipe", axes=along, frame=frame, law=sweep),
+    ]
+    if held:
+        tasks.append(ControllerTask(name="hold", axes=held, frame=frame, law=PoseLaw(gain=gain)))
+    return tasks
+
+
+def _contact(
+    newtons: float, approach_speed: float | None, stiffest: float | None, max_force: float | None
+) -> ContactLaw:
+    """Returns the law that presses; refuses numbers without a meaning."""
     if _finite("/newtons", newtons) == 0:
         raise _invalid("/newtons", "give a force; its sign is the direction in which the tool presses")
     for field, value in (("approach_speed", approach_speed), ("stiffest", stiffest), ("max_force", max_force)):
         if value is not None and _finite(f"/{field}", value) <= 0:
             raise _invalid(f"/{field}", "give a number above 0")
-    law = ContactLaw(
+    return ContactLaw(
         target_force=ConstantProfile(value=newtons),
         approach_speed=approach_speed,
         stiffest=stiffest,
         max_force=max_force,
     )
-    return _pushing(axis, law, hold, lag_s + delay_periods * period_s)
 
 
 def _pushing(
