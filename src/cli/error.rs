@@ -30,6 +30,9 @@ pub enum CliError {
     /// An answer is not checked, or its certificate does not hold.
     #[error(transparent)]
     Check(#[from] CheckError),
+    /// A preset gives no tasks.
+    #[error(transparent)]
+    Preset(#[from] revprio_api::presets::PresetError),
     /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),

@@ -13,6 +13,7 @@ mod out_directory;
 mod output;
 mod parallel_runs;
 mod payload;
+mod press;
 mod progress_bar;
 mod replay;
 mod report;
@@ -66,6 +67,7 @@ const EXAMPLES: &str = "Examples:
   revprio robots check my_arm.urdf,tip=flange        show what is read from a robot file
   revprio serve --robot my_arm.urdf,tip=flange       serve your own robot
   revprio stability --inertia 15 --damping 150 --environment-stiffness 1e5 --lag-s 0.005
+  revprio push --robot panda --axis z --newtons -15 > push.json   a controller that presses, for POST /v1/controllers
   revprio payload readings.csv --robot sawyer --on-tool   bias and payload of a wrist sensor
   revprio bench --only core,http                     measure speed next to other programs
   revprio resolve api/examples/resolve.json          resolve one problem and explain the answer
@@ -100,6 +102,10 @@ enum Command {
     Report(report::Options),
     /// Compute the stability margins of one axis in contact: maximum lag, maximum delay, minimum damping.
     Stability(stability::Options),
+    /// Print the controller that presses with a force along one axis and holds the others, for POST /v1/controllers.
+    Push(press::PushOptions),
+    /// Print the controller that presses along one axis and moves back and forth along another one, for POST /v1/controllers.
+    Wipe(press::SweepOptions),
     /// Identify bias and payload of a wrist sensor from readings in six postures or more.
     Payload(payload::Options),
     /// Resolve one problem and print the answer as a table.
@@ -162,6 +168,8 @@ impl Cli {
             Command::Sweep(options) => sweep::run(&options),
             Command::Report(options) => report::run(&options),
             Command::Stability(options) => stability::run(&options),
+            Command::Push(options) => press::run_push(&options),
+            Command::Wipe(options) => press::run_wipe(&options),
             Command::Payload(options) => payload::run(&options),
             Command::Resolve(options) => resolve::run(&options),
             Command::Check(options) => Ok(check::run(&options)?),

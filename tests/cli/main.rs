@@ -5,6 +5,7 @@ mod compare;
 mod demo;
 mod openapi;
 mod payload;
+mod press;
 mod program;
 mod replay;
 mod resolve;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | call a service over HTTP | [`Client`], [`Service`] |
 //! | read or write bodies as JSON or MessagePack with serde | [`wire`] |
+//! | get the tasks of a common job | [`presets`] |
 //! | write a control loop for a service over HTTP or in the same process | [`Service`] |
 //!
 //! ```no_run
@@ -25,6 +26,7 @@
 mod address;
 mod client;
 pub mod clock;
+pub mod presets;
 pub mod wire;
 
 pub use client::{Client, ClientError, Service};

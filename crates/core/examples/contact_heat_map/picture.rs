@@ -55,7 +55,12 @@ pub fn draw(maps: &[Map]) -> String {
         Cell::Pressed { late: Some(late), .. } => (colour(&TIMES, *late), format!("{late:.2}")),
     };
     svg += &panels(maps, 0.0, &format!("Largest force over the target of 30 N ({drive}; –: refused)"), peak);
-    svg += &panels(&maps[1..], block, "Time until the force stays within 5 %, beyond F_d/(K v), s (never: not within the run)", late);
+    svg += &panels(
+        &maps[1..],
+        block,
+        "Time until the force stays within 5 %, beyond F_d/(K v), s (never: not within the run)",
+        late,
+    );
     svg + "</svg>\n"
 }
 

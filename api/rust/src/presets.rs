@@ -1,0 +1,215 @@
+//! Tasks for common jobs.
+//!
+//! ```
+//! use revprio_api::presets::{PressOptions, push};
+//! use revprio_api::wire::Axis;
+//!
+//! let tasks = push(Axis::Z, -15.0, &PressOptions::default())?; // presses downwards with 15 N and holds the other axes
+//! assert_eq!(tasks.len(), 2);
+//! # Ok::<(), revprio_api::presets::PresetError>(())
+//! ```
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::wire::{Axis, ControllerTask, Frame, Law, PerAxis, Profile, TargetPose};
+
+/// Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it.
+const POSE_GAIN: f64 = 2.0;
+
+/// What [`push`] and [`wipe`] may be told beyond the force.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressOptions {
+    /// Axes that a further task holds; `None`: all others. An empty list: no such task.
+    pub hold: Option<Vec<Axis>>,
+    /// T, period of the controller, s.
+    pub period_s: f64,
+    /// L, lag of the arm's velocity loop, s.
+    pub lag_s: f64,
+    /// D, delay of a command, periods.
+    pub delay_periods: u32,
+    /// Speed of the approach, m/s; `None`: the largest that keeps 1.2 times the force.
+    pub approach_speed: Option<f64>,
+    /// Stiffness of the stiffest contact, N/m; `None`: 1e6.
+    pub stiffest: Option<f64>,
+    /// Force at which the tool leaves, N.
+    pub max_force: Option<f64>,
+}
+
+impl Default for PressOptions {
+    /// The drive that controllers expect by default, at 1 kHz.
+    fn default() -> Self {
+        let (period_s, lag_s, delay_periods) = (1e-3, 0.03, 2);
+        Self { hold: None, period_s, lag_s, delay_periods, approach_speed: None, stiffest: None, max_force: None }
+    }
+}
+
+/// What [`wipe`] may be told beyond the force and the axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WipeOptions {
+    /// As for [`push`].
+    pub press: PressOptions,
+    /// Way from the start along the axis and back, m; negative: the other direction.
+    pub stroke_m: f64,
+    /// Largest speed, m/s.
+    pub speed: f64,
+    /// Axes of pressing, motion and hold; a pose for a tilted surface.
+    pub frame: Frame,
+}
+
+impl Default for WipeOptions {
+    /// 10 cm and back at up to 5 cm/s along an axis of the base.
+    fn default() -> Self {
+        Self { press: PressOptions::default(), stroke_m: 0.1, speed: 0.05, frame: Frame::Base }
+    }
+}
+
+/// Why a preset gives no tasks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PresetError {
+    /// The force has no direction.
+    #[error("the force must be finite and not 0; its sign is the direction in which the tool presses")]
+    Force,
+    /// The motion has no way.
+    #[error("the stroke must be finite and not 0; its sign is the direction in which the motion begins")]
+    Stroke,
+    /// A number is not positive.
+    #[error("{0} must be finite and above 0")]
+    NotPositive(&'static str),
+    /// The motion is none along the surface.
+    #[error("the motion must be along x, y or z, and along another axis than the one along which the tool presses")]
+    Along,
+}
+
+/// Returns the tasks that press with a force (N, N·m for an axis of rotation) along one axis of the base and hold the others. The law
+/// `contact` needs no stiffness.
+pub fn push(axis: Axis, newtons: f64, options: &PressOptions) -> Result<Vec<ControllerTask>, PresetError> {
+    let mut tasks = vec![task("push", vec![axis], Frame::Base, contact(newtons, options)?)];
+    tasks.extend(hold(&[axis], Frame::Base, options));
+    Ok(tasks)
+}
+
+/// Returns the tasks that press along one axis and move back and forth along another one. The motion begins with the first state, also
+/// while the tool still approaches the surface.
+pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Result<Vec<ControllerTask>, PresetError> {
+    let WipeOptions { press, stroke_m, speed, frame } = options;
+    if !matches!(along, Axis::X | Axis::Y | Axis::Z) || along == axis {
+        return Err(PresetError::Along);
+    }
+    if !stroke_m.is_finite() || *stroke_m == 0.0 {
+        return Err(PresetError::Stroke);
+    }
+    let half = 0.5 * stroke_m;
+    // From the start and back: half − half cos ω t.
+    let way = Profile::Sine {
+        offset: PerAxis::All(half),
+        amplitude: PerAxis::All(half),
+        angular_frequency_rad_s: positive("the speed", *speed)? / half.abs(),
+        phase_rad: -FRAC_PI_2,
+    };
+    let sweep = pose(Some(way), press);
+    let mut tasks =
+        vec![task("push", vec![axis], *frame, contact(newtons, press)?), task("wipe", vec![along], *frame, sweep)];
+    tasks.extend(hold(&[axis, along], *frame, press));
+    Ok(tasks)
+}
+
+fn contact(newtons: f64, options: &PressOptions) -> Result<Law, PresetError> {
+    if !newtons.is_finite() || newtons == 0.0 {
+        return Err(PresetError::Force);
+    }
+    let given = |name, value: Option<f64>| value.map(|value| positive(name, value).map(PerAxis::All)).transpose();
+    Ok(Law::Contact {
+        target_force: Profile::Constant { value: PerAxis::All(newtons) },
+        approach_speed: given("the approach speed", options.approach_speed)?,
+        stiffest: given("the stiffness of the stiffest contact", options.stiffest)?,
+        noise: None,
+        bias: None,
+        sensor_lag_s: None,
+        max_force: given("the largest force", options.max_force)?,
+        retreat_speed: None,
+        max_acceleration: None,
+    })
+}
+
+fn positive(name: &'static str, value: f64) -> Result<f64, PresetError> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(PresetError::NotPositive(name)) }
+}
+
+/// Returns a pose law whose gain suits an arm with this lag and delay.
+fn pose(displacement: Option<Profile>, options: &PressOptions) -> Law {
+    let to_rest = options.lag_s + f64::from(options.delay_periods) * options.period_s;
+    Law::Pose {
+        gain: PerAxis::All(if to_rest > 0.0 { POSE_GAIN.min(1.0 / (8.0 * to_rest)) } else { POSE_GAIN }),
+        max_acceleration: None,
+        braking: true,
+        path: None,
+        target_pose: TargetPose::Initial,
+        target_displacement: displacement,
+    }
+}
+
+/// Returns the task that holds what the others do not move, unless nothing is left.
+fn hold(moved: &[Axis], frame: Frame, options: &PressOptions) -> Option<ControllerTask> {
+    let rest = || Axis::ALL.into_iter().filter(|axis| !moved.contains(axis)).collect();
+    let axes: Vec<Axis> = options.hold.clone().unwrap_or_else(rest);
+    (!axes.is_empty()).then(|| task("hold", axes, frame, pose(None, options)))
+}
+
+fn task(name: &str, axes: Vec<Axis>, frame: Frame, law: Law) -> ControllerTask {
+    ControllerTask {
+        name: name.to_owned(),
+        axes: Some(axes),
+        frame,
+        reference_point: None,
+        link: None,
+        relative_to: None,
+        jacobian: None,
+        law: Some(law),
+        lower: None,
+        upper: None,
+        scale: false,
+        streaming: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wipe_presses_moves_and_holds_the_rest() {
+        let options = WipeOptions { stroke_m: -0.2, ..WipeOptions::default() };
+        let tasks = wipe(Axis::Z, -15.0, Axis::Y, &options).unwrap();
+        assert_eq!(tasks.iter().map(|task| task.name.as_str()).collect::<Vec<_>>(), ["push", "wipe", "hold"]);
+        assert_eq!(tasks[2].axes, Some(vec![Axis::X, Axis::Rx, Axis::Ry, Axis::Rz]));
+        let json = serde_json::to_value(&tasks[1]).unwrap();
+        let way = &json["law"]["target_displacement"];
+        assert_eq!((way["offset"].as_f64(), way["angular_frequency_rad_s"].as_f64()), (Some(-0.1), Some(0.5)));
+    }
+
+    #[test]
+    fn a_push_holds_what_it_is_told() {
+        let options = PressOptions { hold: Some(vec![Axis::Y]), stiffest: Some(1e5), ..PressOptions::default() };
+        assert_eq!(push(Axis::X, 5.0, &options).unwrap()[1].axes, Some(vec![Axis::Y]));
+        let options = PressOptions { hold: Some(Vec::new()), ..options };
+        assert_eq!(push(Axis::X, 5.0, &options).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn numbers_without_a_meaning_are_refused() {
+        let options = PressOptions::default();
+        for newtons in [0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(push(Axis::X, newtons, &options), Err(PresetError::Force));
+        }
+        let slow = PressOptions { approach_speed: Some(0.0), ..options };
+        assert_eq!(push(Axis::X, 5.0, &slow), Err(PresetError::NotPositive("the approach speed")));
+        let wiping = WipeOptions::default();
+        for along in [Axis::Z, Axis::Rx] {
+            assert_eq!(wipe(Axis::Z, 5.0, along, &wiping), Err(PresetError::Along));
+        }
+        let still = WipeOptions { stroke_m: 0.0, ..wiping.clone() };
+        assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::Stroke));
+        let still = WipeOptions { speed: f64::NAN, ..wiping };
+        assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::NotPositive("the speed")));
+    }
+}
