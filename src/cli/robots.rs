@@ -1,6 +1,6 @@
 //! `revprio robots`: the robots that the program knows, and what it reads from a robot file.
 
-use revprio_robot::{Joint, RobotModel, built_in};
+use revprio_robot::{Joint, RobotModel, VelocityEnvelope, built_in};
 
 use super::error::CliError;
 use super::known::known_robot;
@@ -82,6 +82,7 @@ fn known_limits(robot: &RobotModel) -> Vec<&'static str> {
         ("speed", has(|joint| joint.limits.velocity)),
         ("acceleration", has(|joint| joint.limits.acceleration)),
         ("jerk", has(|joint| joint.limits.jerk)),
+        ("speed near the ends", has(|joint| joint.limits.envelope.deceleration)),
     ];
     kinds.into_iter().filter_map(|(kind, known)| known.then_some(kind)).collect()
 }
@@ -93,12 +94,30 @@ fn shown(robot: &RobotModel) -> String {
     let description = wrapped(robot.description(), WIDTH).join("\n");
     format!(
         "{}: joints {}, reach {:.3} m\n{description}\n\n{}\nUnits: rad and rad/s for joints that turn, m and m/s for others. \
-         –: no limit is known.\n",
+         –: no limit is known.\n{}",
         robot.name(),
         robot.joint_count(),
         robot.reach(),
-        columns(&rows, |i| i > 1)
+        columns(&rows, |i| i > 1),
+        envelopes(robot)
     )
+}
+
+/// Returns the speed limits of the joints near the ends of their ranges; empty if there are none.
+fn envelopes(robot: &RobotModel) -> String {
+    let envelope = |joint: &Joint| {
+        let VelocityEnvelope { deceleration, offset } = joint.limits.envelope;
+        joint.limits.envelope.is_finite().then(|| format!("{} {deceleration}, {offset}", joint.name))
+    };
+    let joints: Vec<String> = robot.joints().iter().filter_map(envelope).collect();
+    if joints.is_empty() {
+        return String::new();
+    }
+    let text = format!(
+        "Speed limits near the ends of the range: at the distance d, the speed towards the end is at most √(2 D d) − o. D and o: {}.",
+        joints.join("; ")
+    );
+    wrapped(&text, WIDTH).join("\n") + "\n"
 }
 
 fn row(joint: &Joint) -> Vec<String> {
@@ -180,6 +199,7 @@ mod tests {
                     && joint.limits.upper.is_finite()
             });
             assert_eq!(remarks(robot).contains("all limits"), complete);
+            assert_eq!(text.contains("fr3_joint2 2.585, 0.2;"), robot.name() == "fr3", "{text}");
         }
     }
 }

@@ -118,6 +118,93 @@ fn a_stated_jerk_limit_is_shown_and_kept_with_the_memory_of_stateless_steps() {
     assert!((commands[2] - 1e-4).abs() < 1e-12 && commands[5] > 9e-4, "{commands:?}");
 }
 
+/// Opens a stateless loop at rest at a position of the crank; returns its first answer.
+fn first_step(service: &Service, controller: &Value, position: f64, velocity: f64) -> Value {
+    let state = json!({"sequence": 1, "time_s": 0.0, "joint_position": [position], "joint_velocity": [velocity]});
+    service.call("/v1/step", &json!({"controller": controller, "state": state}))
+}
+
+#[test]
+fn a_velocity_envelope_is_shown_and_kept_wherever_it_is_stated() {
+    let service = Service::start();
+    let envelope = json!({"deceleration_limit": 2.0, "velocity_offset": 0.1});
+    let mut stated = registration("stated", CRANK);
+    stated["limits"] = json!({"crank": {"velocity_envelope": envelope}});
+    let element = r#"<position_based_velocity_limits deceleration_limit="2.0" velocity_offset="0.1"/></joint>"#;
+    let text = registration("text", &CRANK.replacen("</joint>", element, 1));
+    for body in [stated, text] {
+        let robot = service.post("/v1/robots", &body.to_string()).accepted();
+        assert_eq!(robot["joints"][0]["velocity_envelope"], envelope);
+        let name = robot["name"].as_str().unwrap();
+        assert_eq!(service.get(&format!("/v1/robots/{name}")).accepted(), robot);
+        // v (0.011 + o/D) + v²/2D = d − o²/2D for d = 0.1 and T = 1 ms.
+        let mut question = pull(name);
+        (question["joint_position"], question["tasks"][0]["velocity"]) = (json!([2.9]), json!([-100.0]));
+        question["period_s"] = json!(0.001);
+        let answer = service.call("/v1/resolve", &question);
+        let speed = numbers(&answer["joint_velocity"])[0];
+        assert!((speed * 0.061 + speed * speed / 4.0 - 0.0975).abs() < 1e-9, "{answer}");
+    }
+    let plain = service.post("/v1/robots", &registration("plain", CRANK).to_string()).accepted();
+    assert!(plain["joints"][0].get("velocity_envelope").is_none(), "{plain}");
+    let fr3 = service.get("/v1/robots/fr3").accepted();
+    assert_eq!(fr3["joints"][1]["velocity_envelope"], json!({"deceleration_limit": 2.585, "velocity_offset": 0.2}));
+}
+
+#[test]
+fn a_velocity_envelope_that_allows_no_motion_is_refused() {
+    let service = Service::start();
+    for (envelope, pointer, cause) in [
+        (json!({"deceleration_limit": 0, "velocity_offset": 0}), "/limits", "deceleration 0, which must be positive"),
+        (
+            json!({"deceleration_limit": 6, "velocity_offset": -0.1}),
+            "/limits",
+            "offset -0.1, which must not be negative",
+        ),
+        (json!({"deceleration_limit": 1e-200, "velocity_offset": 1}), "/limits", "leaves no range"),
+        (json!({"deceleration_limit": 1, "velocity_offset": 3}), "/limits", "leaves no range"),
+        (json!({"deceleration_limit": 6}), "/limits/crank/velocity_envelope", "velocity_offset"),
+        (
+            json!({"deceleration_limit": 6, "velocity_offset": 0, "margin": 1}),
+            "/limits/crank/velocity_envelope/margin",
+            "margin",
+        ),
+        (json!([6, 0.3]), "/limits/crank/velocity_envelope", "object"),
+        (
+            json!({"deceleration_limit": "6", "velocity_offset": 0}),
+            "/limits/crank/velocity_envelope/deceleration_limit",
+            "number",
+        ),
+    ] {
+        let mut body = registration("crank", CRANK);
+        body["limits"] = json!({"crank": {"velocity_envelope": envelope}});
+        let answer = service.post("/v1/robots", &body.to_string());
+        answer.assert_refused(422, Some(pointer));
+        assert!(answer.text.contains(cause), "{}", answer.text);
+    }
+}
+
+#[test]
+fn a_start_outside_the_velocity_envelope_is_told_and_left() {
+    let service = Service::start();
+    let mut body = registration("crank", CRANK);
+    body["limits"] = json!({"crank": {"velocity_envelope": {"deceleration_limit": 2.0, "velocity_offset": 0.2}}});
+    service.post("/v1/robots", &body.to_string()).accepted();
+    let mut running = controller("crank");
+    running["why"] = json!(true);
+    // Towards the upper end.
+    running["tasks"][0]["law"]["target_velocity"]["value"] = json!([-0.5]);
+    let texts = |answer: &Value| format!("{} {}", answer["warnings"], answer["why"]);
+    // The margin is 0.01 rad.
+    let within = first_step(&service, &running, 2.995, 0.0);
+    assert!(numbers(&within["joint_velocity"])[0] < 0.0 && texts(&within).contains("must move back"), "{within}");
+    assert!(texts(&within).contains("nearer to the end of its range than 0.0100 rad"), "{within}");
+    let fast = first_step(&service, &running, 2.9, 1.0);
+    assert!(texts(&fast).contains("faster than its velocity envelope allows"), "{fast}");
+    let inside = first_step(&service, &running, 2.989, 0.0);
+    assert!(!texts(&inside).contains("velocity envelope lets") && !texts(&inside).contains("faster"), "{inside}");
+}
+
 #[test]
 fn base_and_tip_select_the_chain() {
     let service = Service::start();

@@ -42,6 +42,26 @@ fn the_limit_of_a_joint_is_named() {
 }
 
 #[test]
+fn the_velocity_limit_near_an_end_is_named() {
+    let service = Service::start();
+    for (position, limit) in [
+        (1.6, "joint `fr3_joint2` is at its velocity limit near the upper end of its range, 0.76 rad/s"),
+        (-1.6, "joint `fr3_joint2` is at its velocity limit near the lower end of its range, 0.76 rad/s"),
+        (1.78, "joint `fr3_joint2` is as near to its upper limit as its velocity envelope allows"),
+        (1.79, "joint `fr3_joint2` is nearer to its upper limit than its velocity envelope allows and must move back"),
+        (1.8, "joint `fr3_joint2` is beyond its upper limit and must move back"),
+    ] {
+        let turn = json!([0, f64::signum(position), 0, 0, 0, 0, 0]);
+        let request = json!({
+            "robot": "fr3", "joint_position": [0, position, 0, -1.5, 0, 1.5, 0], "period_s": 0.01, "why": true,
+            "tasks": [{"name": "turn", "jacobian": [turn], "velocity": [2.0]}],
+        });
+        let answer = service.call("/v1/resolve", &request);
+        assert_eq!(sentences(&answer)[0], limit, "{answer}");
+    }
+}
+
+#[test]
 fn the_velocity_that_a_task_gives_up_has_its_unit() {
     let service = Service::start();
     let fast = json!({

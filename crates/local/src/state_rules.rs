@@ -86,6 +86,9 @@ impl StateRules {
             };
             warnings.push(format!("joint `{name}` at {q} is outside its range {lower} … {upper}; {effect}"));
         }
+        if controller.config().keeps_positions() {
+            warnings.extend(within_margins(controller, &state.joint_position));
+        }
         let bounds = [self.checks.max_force_n, self.checks.max_torque_nm];
         let tips = controller.config().robot.tips();
         let entries = measured_wrenches(state)
@@ -99,11 +102,13 @@ impl StateRules {
             ));
         }
         for &joint in &command.hold.too_fast {
-            let name = &controller.config().robot.joints()[joint].name;
-            warnings.push(format!(
-                "joint `{name}` is too fast to stop inside its range at its deceleration; stop the arm, and check limits, \
-                 units and the solver"
-            ));
+            let Joint { name, limits, .. } = &controller.config().robot.joints()[joint];
+            let exceeded = if limits.envelope.is_finite() {
+                "is faster than its velocity envelope allows near the end of its range"
+            } else {
+                "is too fast to stop inside its range at its deceleration"
+            };
+            warnings.push(format!("joint `{name}` {exceeded}; stop the arm, and check limits, units and the solver"));
         }
         warnings.extend(stall_warning(&command.stalled, controller));
     }
@@ -171,6 +176,23 @@ fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator
         (distance > 0.0).then_some((joint, q, distance))
     };
     controller.config().robot.joints().iter().zip(position).filter_map(distance)
+}
+
+/// Returns a warning for each joint inside its range that is nearer to an end than its velocity envelope lets it rest.
+fn within_margins<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator<Item = String> {
+    let joints = controller.config().robot.joints().iter().zip(position);
+    joints.filter_map(|(Joint { name, limits, kind, .. }, &q)| {
+        let [lowest, highest] = limits.resting_range();
+        let is_inside = (limits.lower..=limits.upper).contains(&q);
+        let is_near = (q - highest).max(lowest - q) > REPORTED_DISTANCE;
+        let (margin, unit) = (limits.envelope.margin(), kind.unit());
+        (is_inside && is_near).then(|| {
+            format!(
+                "joint `{name}` at {q} is nearer to the end of its range than {margin:.4} {unit}, where its velocity envelope \
+                 lets it move away only; the service moves it away"
+            )
+        })
+    })
 }
 
 /// Returns the measured wrenches; `None`: that of the tool.

@@ -181,6 +181,7 @@ impl Explained<'_> {
         let side = if active.bound.side == Side::Upper { "upper" } else { "lower" };
         let speed = significant(active.value.abs(), 2);
         let left = self.left(index, active.bound.side);
+        let margin = self.robot.map_or(0.0, |robot| robot.joints()[index].limits.envelope.margin());
         match cause {
             BoundCause::Unlimited | BoundCause::Given => {
                 format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
@@ -189,6 +190,17 @@ impl Explained<'_> {
             _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
             BoundCause::Position if left < RANGE_END => format!("joint `{joint}` is at its {side} limit"),
             BoundCause::Position => format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}"),
+            BoundCause::Envelope if left < margin => {
+                format!(
+                    "joint `{joint}` is nearer to its {side} limit than its velocity envelope allows and must move back"
+                )
+            }
+            BoundCause::Envelope if left < margin + RANGE_END => {
+                format!("joint `{joint}` is as near to its {side} limit as its velocity envelope allows")
+            }
+            BoundCause::Envelope => {
+                format!("joint `{joint}` is at its velocity limit near the {side} end of its range, {speed} {unit}")
+            }
             BoundCause::Acceleration => format!("joint `{joint}` is at its acceleration limit"),
             BoundCause::Transition => {
                 format!("joint `{joint}` is at its acceleration limit, in the transition from another controller")

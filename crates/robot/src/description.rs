@@ -3,7 +3,7 @@
 use nalgebra::IsometryMatrix3;
 use serde::Deserialize;
 
-use super::{DenavitHartenberg, Joint, JointKind, JointLimits, ModelError, RobotModel};
+use super::{DenavitHartenberg, Joint, JointKind, JointLimits, ModelError, RobotModel, VelocityEnvelope};
 
 /// Why a robot description is refused.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +38,21 @@ struct JointDescription {
     velocity_limit: Option<f64>,
     acceleration_limit: Option<f64>,
     jerk_limit: Option<f64>,
+    velocity_envelope: Option<EnvelopeDescription>,
     published_range: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnvelopeDescription {
+    deceleration_limit: f64,
+    velocity_offset: f64,
+}
+
+impl EnvelopeDescription {
+    fn envelope(&self) -> VelocityEnvelope {
+        VelocityEnvelope { deceleration: self.deceleration_limit, offset: self.velocity_offset }
+    }
 }
 
 impl JointDescription {
@@ -50,6 +64,7 @@ impl JointDescription {
             velocity: self.velocity_limit.unwrap_or(JointLimits::NONE.velocity),
             acceleration: self.acceleration_limit.unwrap_or(JointLimits::NONE.acceleration),
             jerk: self.jerk_limit.unwrap_or(JointLimits::NONE.jerk),
+            envelope: self.velocity_envelope.as_ref().map_or(VelocityEnvelope::NONE, EnvelopeDescription::envelope),
         }
     }
 }
@@ -138,6 +153,24 @@ mod tests {
         assert!(error_text(&joint("a", "speed = 1.0")).contains("line 6"));
         let not_finite = "[[joints]]\nname = 'a'\nkind = 'revolute'\ndh = { d = nan, a = 0.0, alpha = 0.0 }";
         assert!(error_text(not_finite).contains("joint `a`: lengths and angles must be finite"));
+    }
+
+    #[test]
+    fn a_velocity_envelope_is_optional_and_leaves_a_range() {
+        let joint = |envelope: &str| {
+            let dh = "dh = { d = 0.0, a = 1.0, alpha = 0.0 }\nposition_limit = [-1.0, 1.0]";
+            from_toml(&format!("name = 'r'\n[[joints]]\nname = 'a'\nkind = 'revolute'\n{dh}\n{envelope}"))
+        };
+        let stated = joint("velocity_envelope = { deceleration_limit = 6.0, velocity_offset = 0.3 }").unwrap();
+        assert_eq!(stated.joints()[0].limits.envelope, VelocityEnvelope { deceleration: 6.0, offset: 0.3 });
+        assert_eq!(joint("").unwrap().joints()[0].limits.envelope, VelocityEnvelope::NONE);
+        for wrong in ["0.0 0.3", "nan 0.3", "6.0 -0.1", "6.0 inf", "0.1 1.0"] {
+            let (deceleration, offset) = wrong.split_once(' ').unwrap();
+            let envelope =
+                format!("velocity_envelope = {{ deceleration_limit = {deceleration}, velocity_offset = {offset} }}");
+            let error = joint(&envelope).unwrap_err().to_string();
+            assert!(error.contains("joint `a`") && error.contains("envelope"), "{wrong}: {error}");
+        }
     }
 
     #[test]

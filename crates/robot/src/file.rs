@@ -104,8 +104,8 @@ const URDF: [(&str, &str); 9] = [
     ),
     urdf!(
         "fr3",
-        "Franka Research 3-like, 7 joints, Denavit-Hartenberg parameters and limits of the manufacturer, tool at the flange; the \
-         real arm also lowers its speed limits near the ends of its joints, this description does not"
+        "Franka Research 3-like, 7 joints, Denavit-Hartenberg parameters and limits of the manufacturer with their velocity limits near \
+         the ends of the joints, tool at the flange"
     ),
     urdf!("xarm7", "xArm 7-like, 7 joints, Denavit-Hartenberg parameters of the manufacturer, tool at the flange"),
     urdf!("iiwa14", "LBR iiwa 14 R820-like, 7 joints, dimensions of the data sheet, tool at the flange"),

@@ -2,7 +2,7 @@
 
 use nalgebra::IsometryMatrix3;
 
-use super::{DenavitHartenberg, JointKind};
+use super::{DenavitHartenberg, JointKind, VelocityEnvelope};
 
 /// Position, velocity, acceleration and jerk limits of one joint; infinite where there is none.
 ///
@@ -19,6 +19,8 @@ pub struct JointLimits {
     pub acceleration: f64,
     /// J, the largest change of the acceleration in a second, in either direction.
     pub jerk: f64,
+    /// Limit of the speed that shrinks towards the ends of the range.
+    pub envelope: VelocityEnvelope,
 }
 
 impl JointLimits {
@@ -29,11 +31,25 @@ impl JointLimits {
         velocity: f64::INFINITY,
         acceleration: f64::INFINITY,
         jerk: f64::INFINITY,
+        envelope: VelocityEnvelope::NONE,
     };
 
-    /// Returns whether the position range is not empty, and speed, acceleration and jerk are positive.
+    /// Returns whether the position range is not empty, speed, acceleration and jerk are positive, and the envelope is valid.
     pub(crate) fn is_valid(&self) -> bool {
-        self.lower <= self.upper && self.velocity > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0
+        let is_positive = self.velocity > 0.0 && self.acceleration > 0.0 && self.jerk > 0.0;
+        self.lower <= self.upper && is_positive && self.envelope.is_valid() && self.leaves_a_range()
+    }
+
+    /// Returns the positions at which the joint may come to rest: q_lo … q_hi, without the margins of its envelope.
+    pub fn resting_range(&self) -> [f64; 2] {
+        let margin = self.envelope.margin();
+        [self.lower + margin, self.upper - margin]
+    }
+
+    /// Returns whether the envelope leaves the joint a place to rest.
+    pub(crate) fn leaves_a_range(&self) -> bool {
+        let [lower, upper] = self.resting_range();
+        lower <= upper
     }
 
     /// Returns limits with which a joint at `multiplier` q + `offset` keeps `follower` too.
@@ -54,6 +70,7 @@ impl JointLimits {
             velocity: self.velocity.min(follower.velocity / ratio),
             acceleration: self.acceleration.min(follower.acceleration / ratio),
             jerk: self.jerk.min(follower.jerk / ratio),
+            envelope: self.envelope.restricted_by(&follower.envelope, ratio),
         }
     }
 }

@@ -60,6 +60,7 @@ mod srdf;
 mod tree;
 mod tree_description;
 mod urdf;
+mod velocity_envelope;
 
 pub use denavit_hartenberg::DenavitHartenberg;
 pub use description::{DescriptionError, from_json, from_toml};
@@ -75,3 +76,4 @@ pub use selection::{ChainSelection, LeftOut, LeftOutReason, TipReason};
 pub use srdf::{DisabledPair, EndEffector, Srdf};
 pub use tree_description::{JointMotion, Mimic, TreeDescription, TreeJoint, TreeTip};
 pub use urdf::{BodyForm, LinkBodies, LinkBody, UrdfError, UrdfOptions, UrdfTip, UrdfTreeOptions};
+pub use velocity_envelope::VelocityEnvelope;

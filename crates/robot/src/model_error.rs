@@ -14,7 +14,8 @@ pub enum ModelError {
     },
     /// The position range is empty, or a speed, acceleration or jerk is not positive.
     #[error(
-        "joint `{joint}`: the position range must not be empty, velocity, acceleration and jerk limits must be positive"
+        "joint `{joint}`: the position range must not be empty, velocity, acceleration and jerk limits must be positive; a velocity \
+         envelope must have a positive deceleration and an offset that is not negative, and its margins offset²/(2 deceleration) must leave a range"
     )]
     Limits {
         /// The joint.

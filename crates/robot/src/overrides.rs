@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::IsometryMatrix3;
 
+use super::VelocityEnvelope;
+
 /// Values that replace or complete those of a URDF text. Joints have their names in the text.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Overrides {
@@ -26,4 +28,6 @@ pub struct LimitOverride {
     pub acceleration: Option<f64>,
     /// Largest jerk, rad/s³ or m/s³.
     pub jerk: Option<f64>,
+    /// Velocity limits near the ends of the range.
+    pub envelope: Option<VelocityEnvelope>,
 }

@@ -89,6 +89,9 @@ const STEP_IN_A_ROOM: &str = include_str!("../../../api/examples/answers/step_ro
 
 /// Adds the examples to their operations. Adds to each field its first value in an example.
 pub fn complete(document: &mut Value) {
+    // No registration of the examples states one.
+    let stated = &mut document["components"]["schemas"]["StatedLimits"]["properties"];
+    stated["velocity_envelope"]["examples"] = json!([{"deceleration_limit": 6.0, "velocity_offset": 0.3}]);
     // No step of the examples has jerk limits that bind. The derive has no example for a field that is an object or null.
     let memory = &mut document["components"]["schemas"]["Memory"]["properties"];
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);

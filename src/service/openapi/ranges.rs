@@ -169,6 +169,7 @@ fn request_ranges() -> Vec<FieldRange> {
         wire::ObstacleState { position: Items(3, 3), velocity: Items(3, 3) }
         wire::RobotRegistration { shape_list: Items(0, MAX_CAPSULES), tips: Items(1, MAX_TIPS), name: Pattern(format!("^[A-Za-z0-9][A-Za-z0-9_.-]{{0,{}}}$", MAX_NAME - 1)) }
         wire::StatedLimits { position: Items(2, 2), velocity: Positive, acceleration: Positive, jerk: Positive }
+        wire::VelocityEnvelope { deceleration_limit: Positive, velocity_offset: NotNegative }
         wire::Interactive { speed: Between(MIN_SPEED, MAX_SPEED) }
         wire::SimulationControl {
             step: Between(1.0, MAX_STEPS as f64),

@@ -207,6 +207,7 @@ __all__ = [
     "TimeHistogram",
     "TipPose",
     "TipReason",
+    "VelocityEnvelope",
     "VelocityLaw",
     "VelocityLoop",
     "ViolatedInequality",
@@ -3794,6 +3795,23 @@ class RestReading(Body):
     """Measured wrench, as in the states."""
 
 
+class VelocityEnvelope(Body):
+    """Maximum speed towards an end of the position range, which shrinks with the distance d from that end: max(0, √(2 D
+    d) − o).  Controllers whose limits include positions keep it. The joint comes no nearer to an end than o²/2D. In a
+    URDF text it is the element `<position_based_velocity_limits>` of a joint, with attributes of these names.
+
+    Fields:
+
+    - deceleration_limit: D, rad/s² or m/s².
+    - velocity_offset: o, rad/s or m/s.
+    """
+
+    deceleration_limit: float
+    """D, rad/s² or m/s²."""
+    velocity_offset: float
+    """o, rad/s or m/s."""
+
+
 class RobotJoint(Answer):
     """A joint and its limits; a limit is `null` if there is none.
 
@@ -3807,6 +3825,7 @@ class RobotJoint(Answer):
     - jerk_limit: Maximum jerk, rad/s³ or m/s³; omitted if there is none.
     - position_limit: Minimum and maximum position, rad or m. Shape: 2.
     - published_range: Position range in a publication, if it differs; for information only. Shape: 2.
+    - velocity_envelope: Maximum speed near the ends of the range; omitted if it does not shrink there.
     - velocity_limit: Maximum speed, rad/s or m/s.
     """
 
@@ -3826,6 +3845,8 @@ class RobotJoint(Answer):
     """Minimum and maximum position, rad or m. Shape: 2."""
     published_range: FloatArray | None = None
     """Position range in a publication, if it differs; for information only. Shape: 2."""
+    velocity_envelope: VelocityEnvelope | None = None
+    """Maximum speed near the ends of the range; omitted if it does not shrink there."""
     velocity_limit: float | None = None
     """Maximum speed, rad/s or m/s."""
 
@@ -3953,6 +3974,7 @@ class StatedLimits(Body):
     - jerk: Maximum jerk, rad/s³ or m/s³.
     - position: Minimum and maximum position, rad or m. Shape: 2.
     - velocity: Maximum speed, rad/s or m/s.
+    - velocity_envelope: Maximum speed near the ends of the range.
     """
 
     acceleration: float | None = None
@@ -3963,6 +3985,8 @@ class StatedLimits(Body):
     """Minimum and maximum position, rad or m. Shape: 2."""
     velocity: float | None = None
     """Maximum speed, rad/s or m/s."""
+    velocity_envelope: VelocityEnvelope | None = None
+    """Maximum speed near the ends of the range."""
 
 
 ShapeSource = Literal["fit"]

@@ -69,7 +69,7 @@ pub use profile::{PerAxis, Profile, ProfilePoint};
 pub use resolve::{BatchAnswer, BatchItem, BatchRequest, ResolveAnswer, ResolveRequest, ResolveTask};
 pub use robot::{
     DenavitHartenberg, LeftOutJoint, LeftOutReason, RegisteredTip, Robot, RobotChain, RobotJoint, RobotList,
-    RobotRegistration, RobotSource, RobotTip, StatedLimits, TipReason,
+    RobotRegistration, RobotSource, RobotTip, StatedLimits, TipReason, VelocityEnvelope,
 };
 pub use simulation::{Interactive, Simulation, SimulationMetrics, SimulationState};
 pub use stability::{Environment, EnvironmentAxis, StabilityAnswer, StabilityRequest};

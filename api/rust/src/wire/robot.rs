@@ -88,6 +88,24 @@ pub struct StatedLimits {
     #[schema(example = 7500.0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerk: Option<f64>,
+    /// Maximum speed near the ends of the range.
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
+    pub velocity_envelope: Option<VelocityEnvelope>,
+}
+
+/// Maximum speed towards an end of the position range, which shrinks with the distance d from that end: max(0, √(2 D d) − o).
+///
+/// Controllers whose limits include positions keep it. The joint comes no nearer to an end than o²/2D. In a URDF text it is the element
+/// `<position_based_velocity_limits>` of a joint, with attributes of these names.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityEnvelope {
+    /// D, rad/s² or m/s².
+    #[schema(example = 6.0)]
+    pub deceleration_limit: f64,
+    /// o, rad/s or m/s.
+    #[schema(example = 0.3)]
+    pub velocity_offset: f64,
 }
 
 /// The format that described a robot.
@@ -215,6 +233,9 @@ pub struct RobotJoint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(example = 7500.0)]
     pub jerk_limit: Option<f64>,
+    /// Maximum speed near the ends of the range; omitted if it does not shrink there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_envelope: Option<VelocityEnvelope>,
     /// Position range in a publication, if it differs; for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_range: Option<[f64; 2]>,

@@ -24,10 +24,11 @@ impl JointMotion<'_> {
     }
 
     /// Returns the distances of a joint to its lower and to its upper limit, as it is now and as it comes to rest,
-    /// whichever is smaller.
+    /// whichever is smaller. A joint with a velocity envelope comes to rest at its margin, so the limit is nearer by it.
     pub(crate) fn distances(&self, joint: usize, limits: &JointLimits) -> (f64, f64) {
         let (q, to_rest) = (self.position[joint], self.distance_to_rest.get(joint).copied().unwrap_or(0.0));
-        (q - limits.lower + to_rest.min(0.0), limits.upper - q - to_rest.max(0.0))
+        let margin = limits.envelope.margin();
+        (q - limits.lower - margin + to_rest.min(0.0), limits.upper - q - margin - to_rest.max(0.0))
     }
 }
 

@@ -29,6 +29,17 @@ pub fn braking_deceleration(limits: &JointLimits) -> f64 {
     if limits.acceleration.is_finite() { limits.acceleration } else { limits.velocity / DEFAULT_BRAKING_TIME }
 }
 
+/// Returns b, the deceleration with which a joint must be able to stop before the ends of its range: a, or the D of its velocity
+/// envelope if that is smaller.
+pub(super) fn stopping_deceleration(limits: &JointLimits) -> f64 {
+    braking_deceleration(limits).min(limits.envelope.deceleration)
+}
+
+/// Returns τ + o/D, the time for which a joint must be able to move on before it stops; `period`: T, s.
+pub(super) fn stopping_reaction_time(limits: &JointLimits, period: f64) -> f64 {
+    reaction_time(period) + limits.envelope.reaction_time()
+}
+
 /// Returns the acceleration that a command keeps, rad/s² or m/s²: A, or [`braking_deceleration`] for a joint that has a jerk
 /// limit and no A. If its speed could jump, its jerk would have no bound.
 pub fn kept_acceleration(limits: &JointLimits) -> f64 {
@@ -45,7 +56,7 @@ mod tests {
     use super::*;
 
     const LIMITS: JointLimits =
-        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, jerk: f64::INFINITY };
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, ..JointLimits::NONE };
 
     #[test]
     fn the_deceleration_is_the_acceleration_limit_or_stops_the_top_speed_in_a_quarter_of_a_second() {

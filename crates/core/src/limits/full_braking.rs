@@ -31,7 +31,7 @@ mod tests {
             jerk in prop_oneof![Just(f64::INFINITY), 10.0..1e4_f64],
             period in prop_oneof![Just(0.001), Just(0.008)],
         ) {
-            let limits = JointLimits { lower: -3.0, upper: 3.0, velocity: 2.0, acceleration: 8.0, jerk };
+            let limits = JointLimits { lower: -3.0, upper: 3.0, velocity: 2.0, acceleration: 8.0, jerk, ..JointLimits::NONE };
             let (mut last, mut acceleration, mut periods) = (speed, 0.0, 0);
             while last != 0.0 || acceleration != 0.0 {
                 let next = full_braking(&limits, (last, Some(acceleration)), period);

@@ -19,6 +19,9 @@
 //! has no bound. If v⁻ and v have opposite signs, the motion until L is covered by the box of the last command, because
 //! T + L ≤ T + S = τ ([`reaction_time`](super::reaction_time)).
 //!
+//! For a joint with a velocity envelope, v²/2a becomes v²/2b + v o/D, and q_hi the end of the margin, see the module `limits`. Until t the
+//! command keeps the envelope, and so does the ramp, which is not slower than b.
+//!
 //! # Why a command inside the box can be held for at least S
 //!
 //! The box demands v τ + v²/2a ≤ d with the reaction time τ = T + S, where d = q_hi − q. Let the last command obey its own
@@ -26,13 +29,15 @@
 //!
 //! v t ≥ v⁻ S + v⁻²/2a − (v⁻ − v) S − v²/2a ≥ v S.
 //!
+//! With an envelope the terms v⁻ o/D and v o/D are added, and v⁻ o/D is not less.
+//!
 //! The measured distance is noisy. A time below S counts as noise if δ = 0.5 mm or mrad of distance more would allow it. A
 //! hold at rest on a limit then passes the limit by δ at most.
 
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::LimitKind;
-use super::braking::{NOISE_TOLERANCE, braking_deceleration, spare_time};
+use super::braking::{NOISE_TOLERANCE, spare_time, stopping_deceleration};
 use crate::arm_state::JointMotion;
 
 /// Distance beyond a limit that counts as inside, rad or m, because measured positions are rounded.
@@ -90,11 +95,14 @@ impl Hold {
                 let (to_lower, to_upper) = motion.distances(i, limits);
                 if velocity > 0.0 { to_upper } else { to_lower }
             };
-            let overshoots = |motion: JointMotion, velocity: f64, tolerance: f64| {
-                let braking = velocity * velocity / 2.0 / braking_deceleration(limits);
-                velocity != 0.0 && braking > distance(motion, velocity) + tolerance
+            let overshoots = |motion: JointMotion, velocity: f64, needed: f64, tolerance: f64| {
+                velocity != 0.0 && needed > distance(motion, velocity) + tolerance
             };
-            if overshoots(motion, command, NOISE_TOLERANCE) || overshoots(at_once, measured, SPEED_NOISE_TOLERANCE) {
+            // The margin of an envelope covers its offset, up to which a measured velocity at rest may be noise.
+            let [to_stop, stopping] = [stop_distance(limits, command), braking_distance(limits, measured)];
+            if overshoots(motion, command, to_stop, NOISE_TOLERANCE)
+                || overshoots(at_once, measured, stopping, SPEED_NOISE_TOLERANCE)
+            {
                 self.too_fast.push(i);
             }
             if command != 0.0 {
@@ -106,9 +114,19 @@ impl Hold {
     }
 }
 
+/// Returns v²/2b + |v| o/D, the distance that a joint with the velocity v must have; without an envelope the way of its stop at a.
+fn stop_distance(limits: &JointLimits, v: f64) -> f64 {
+    braking_distance(limits, v) + v.abs() * limits.envelope.reaction_time()
+}
+
+/// Returns v²/2b.
+fn braking_distance(limits: &JointLimits, v: f64) -> f64 {
+    v * v / 2.0 / stopping_deceleration(limits)
+}
+
 /// Returns t of the module for a joint with the speed v > 0 towards a limit at `distance`; `last`: v⁻.
 fn hold_time(limits: &JointLimits, distance: f64, v: f64, last: f64, period: f64) -> f64 {
-    let braking = v * v / 2.0 / braking_deceleration(limits);
+    let braking = stop_distance(limits, v);
     let delayed = (last - v).max(0.0) * spare_time(period);
     let [exact, forgiving] =
         [POSITION_TOLERANCE, NOISE_TOLERANCE].map(|tolerance| (distance + tolerance - delayed - braking) / v);
@@ -117,10 +135,11 @@ fn hold_time(limits: &JointLimits, distance: f64, v: f64, last: f64, period: f64
 
 #[cfg(test)]
 mod tests {
+    use super::super::braking_deceleration;
     use super::*;
 
     const LIMITS: JointLimits =
-        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, jerk: f64::INFINITY };
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 2.0, acceleration: 8.0, ..JointLimits::NONE };
 
     /// Returns the hold of the first joint of an arm, 1 mm before its upper limit. The other joints rest in their middle.
     fn near_the_limit(kind: LimitKind, command: f64, measured: f64) -> Hold {
@@ -163,6 +182,27 @@ mod tests {
         let range = joint.upper - joint.lower - 1e-3 + NOISE_TOLERANCE;
         let fastest_back = (2.0 * range * braking_deceleration(joint)).sqrt();
         assert!(!is_reported(-0.99 * fastest_back) && is_reported(-1.01 * fastest_back));
+    }
+
+    #[test]
+    fn noise_of_the_velocity_at_the_margin_of_an_envelope_is_not_reported() {
+        let robot = revprio_robot::built_in().iter().find(|robot| robot.name() == "fr3").unwrap();
+        let mut position = vec![0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0];
+        position[1] = robot.joints()[1].limits.resting_range()[1];
+        let too_fast = |speed: f64| {
+            let velocity = [0.0, speed, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let motion = JointMotion {
+                position: &position,
+                distance_to_rest: &[],
+                last_command: &[0.0; 7],
+                last_acceleration: &[],
+            };
+            let mut hold = Hold::default();
+            hold.update(robot, LimitKind::PositionVelocity, motion, &velocity, &[0.0; 7], 0.001);
+            hold.too_fast
+        };
+        // √(2 · 2.585 · 1e-3) = 0.072
+        assert_eq!((too_fast(0.07), too_fast(0.075)), (vec![], vec![1]));
     }
 
     #[test]

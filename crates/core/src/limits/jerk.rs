@@ -20,6 +20,9 @@
 //!
 //! All terms grow with v, so the allowed commands are an interval. The lower limits are mirrored.
 //!
+//! A joint with a velocity envelope has b and τ' = τ + o/D of the module `limits` in the place of A and τ of H, the end of the margin as
+//! its limit, and max(a, −D) in the place of a: it need not have the distance of a stop harder than D.
+//!
 //! # Why the box is never empty
 //!
 //! Let the last command be allowed, and τ ≥ 2 T. Let v̂ be the command within |a − a⁻| ≤ J T and |a| ≤ A with the smallest
@@ -36,6 +39,10 @@
 //!   α (τ − T) ≥ J T²/3, or, for α < J T/3, from v̂ ≤ α²/2J.
 //!
 //! The mirrored cases are those of the lower side, so v̂ lies in the box.
+//!
+//! With a velocity envelope, let ṽ with the acceleration ã be v̂ of a joint with b in the place of A, after q̇⁻ and max(a⁻, −D). As shown,
+//! H(ṽ, ã) ≤ d. The joint itself reaches harder braking, so v̂ ≤ ṽ and max(â, −D) ≤ ã. H grows with the speed and with the acceleration,
+//! so v̂ is allowed. H is at least v τ' + v²/2b, so the command keeps the envelope.
 //!
 //! # Why noise of the measured position is no conflict
 //!
@@ -56,7 +63,7 @@
 use revprio_robot::JointLimits;
 
 use super::bound_cause::BoundCause;
-use super::braking::{braking_deceleration, reaction_time};
+use super::braking::{braking_deceleration, stopping_deceleration, stopping_reaction_time};
 
 /// Halvings that find the end of the box, from a width of at most 2 J T² to rounding.
 const HALVINGS: usize = 45;
@@ -73,9 +80,14 @@ const ROUNDING: f64 = 1e-12;
 pub struct JerkLimit {
     jerk: f64,
     acceleration: f64,
+    /// b, the deceleration with which the joint must be able to stop.
+    deceleration: f64,
+    /// D of the velocity envelope; infinite without one.
+    envelope: f64,
     velocity: f64,
     period: f64,
     reaction: f64,
+    stop_cause: BoundCause,
 }
 
 impl JerkLimit {
@@ -87,9 +99,12 @@ impl JerkLimit {
         binds.then(|| Self {
             jerk: limits.jerk,
             acceleration,
+            deceleration: stopping_deceleration(limits),
+            envelope: limits.envelope.deceleration,
             velocity: limits.velocity,
             period,
-            reaction: reaction_time(period),
+            reaction: stopping_reaction_time(limits, period),
+            stop_cause: BoundCause::of_stop(limits),
         })
     }
 
@@ -133,7 +148,7 @@ impl JerkLimit {
             let middle = 0.5 * (inside + outside);
             *(if allowed(middle) { &mut inside } else { &mut outside }) = middle;
         }
-        (inside, BoundCause::Position)
+        (inside, self.stop_cause)
     }
 
     /// Returns the largest command from which the joint levels off at the speed `target` or below it: v + T Σᵢ max(0, a −
@@ -192,7 +207,7 @@ impl JerkLimit {
 
     /// Returns H(v, a) of the module.
     fn stop_distance(&self, v: f64, a: f64) -> f64 {
-        let (jerk, reaction) = (self.jerk, self.reaction);
+        let (jerk, reaction, a) = (self.jerk, self.reaction, a.max(-self.envelope));
         let peak = v + a * a / (2.0 * jerk);
         if v + a * a.abs() / (2.0 * jerk) > 0.0 {
             let moves_on = if a > 0.0 { peak * (reaction + DRIVE_ERROR) } else { v * reaction };
@@ -207,11 +222,11 @@ impl JerkLimit {
 
     /// Returns D(p), the distance of a stop from a constant speed p ≥ 0.
     fn stop_from(&self, p: f64) -> f64 {
-        let (jerk, acceleration) = (self.jerk, self.acceleration);
-        if p * jerk <= acceleration * acceleration {
+        let (jerk, deceleration) = (self.jerk, self.deceleration);
+        if p * jerk <= deceleration * deceleration {
             p * (p / jerk).sqrt()
         } else {
-            0.5 * p * (p / acceleration + acceleration / jerk)
+            0.5 * p * (p / deceleration + deceleration / jerk)
         }
     }
 }
@@ -236,7 +251,8 @@ mod tests {
         Interval::from_limits(limits, LimitKind::PositionVelocityAcceleration, motion, 0, period)
     }
 
-    const SOFT: JointLimits = JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0, jerk: 100.0 };
+    const SOFT: JointLimits =
+        JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0, jerk: 100.0, ..JointLimits::NONE };
 
     fn jerk_limit(period: f64) -> JerkLimit {
         JerkLimit::of(&SOFT, period).unwrap()
@@ -270,6 +286,25 @@ mod tests {
             assert!((found - expected).abs() < 1e-4 * (1.0 + expected), "{v} {a}: {found} {expected}");
         }
         assert_eq!(limit.stop_distance(-1.0, -1.0), 0.0);
+    }
+
+    /// A joint that brakes harder than its envelope assumes must still have the distance that the envelope asks for its speed.
+    #[test]
+    fn the_distance_of_a_stop_is_not_less_than_a_velocity_envelope_asks() {
+        for deceleration in [0.3, 2.0, 7.0, 20.0] {
+            let envelope = revprio_robot::VelocityEnvelope { deceleration, offset: 0.2 };
+            let limit = JerkLimit::of(&JointLimits { envelope, ..SOFT }, 1e-3).unwrap();
+            for v in [1e-3, 0.01, 0.05, 0.1, 0.3, 1.0] {
+                let least = v * limit.reaction + v * v / (2.0 * deceleration.min(SOFT.acceleration));
+                let mut before = 0.0;
+                for a in (-80..=80).map(|step| 0.1 * f64::from(step)) {
+                    let found = limit.stop_distance(v, a);
+                    assert!(found >= least * (1.0 - 1e-12), "{deceleration} {v} {a}: {found} {least}");
+                    assert!(found >= before * (1.0 - 1e-12), "{deceleration} {v} {a}: {found} after {before}");
+                    before = found;
+                }
+            }
+        }
     }
 
     #[test]
@@ -343,7 +378,7 @@ mod tests {
             period in 1e-4..0.1_f64,
         ) {
             let acceleration = acceleration.unwrap_or(f64::INFINITY);
-            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk };
+            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk, ..JointLimits::NONE };
             let before = share * braking_deceleration(&limits);
             let Interval { lower, upper, .. } = interval(&limits, q, last, before, period);
             prop_assert!(lower <= upper, "{lower} {upper}");
@@ -361,7 +396,7 @@ mod tests {
             choices in prop::collection::vec(0.0..=1.0_f64, 10),
             persistence in 1_usize..30,
         ) {
-            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk };
+            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk, ..JointLimits::NONE };
             let Some(limit) = JerkLimit::of(&limits, period) else { return Ok(()) };
             let (mut q, mut last, mut before) = (limits.lower + start * range, 0.0_f64, 0.0_f64);
             for choice in choices.iter().flat_map(|choice| std::iter::repeat_n(choice, persistence)) {
@@ -392,7 +427,7 @@ mod tests {
         ) {
             let velocity = velocity.unwrap_or(f64::INFINITY);
             let acceleration = f64::INFINITY;
-            let limits = JointLimits { lower: -range, upper: range, velocity, acceleration, jerk };
+            let limits = JointLimits { lower: -range, upper: range, velocity, acceleration, jerk, ..JointLimits::NONE };
             let limit = JerkLimit::of(&limits, period);
             let (mut q, mut last, mut before) = (0.0, 0.0_f64, 0.0_f64);
             for choice in choices {
@@ -422,7 +457,7 @@ mod tests {
         ) {
             let noise = 0.5 * NOISE_TOLERANCE;
             let jerk = jerk.unwrap_or(f64::INFINITY);
-            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk };
+            let limits = JointLimits { lower: -0.3 * range, upper: 0.7 * range, velocity, acceleration, jerk, ..JointLimits::NONE };
             let limit = JerkLimit::of(&limits, period);
             let (mut q, mut last, mut before) = (limits.lower + start * range, 0.0_f64, 0.0_f64);
             for (number, (_, error)) in choices.iter().enumerate() {

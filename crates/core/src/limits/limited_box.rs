@@ -3,7 +3,9 @@
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::bound_cause::BoundCause;
-use super::braking::{NOISE_TOLERANCE, braking_deceleration, kept_acceleration, reaction_time};
+use super::braking::{
+    NOISE_TOLERANCE, braking_deceleration, kept_acceleration, stopping_deceleration, stopping_reaction_time,
+};
 use super::jerk::JerkLimit;
 use super::limit_kind::LimitKind;
 use crate::arm_state::JointMotion;
@@ -181,7 +183,7 @@ impl Interval {
             LimitKind::PositionVelocityAcceleration => return Self::with_acceleration(limits, motion, joint, period),
         };
         let cause = |bound: f64| {
-            if is_same(bound.abs(), velocity) { BoundCause::Velocity } else { BoundCause::Position }
+            if is_same(bound.abs(), velocity) { BoundCause::Velocity } else { BoundCause::of_stop(limits) }
         };
         Self { lower, upper, conflict: false, causes: [cause(lower), cause(upper)] }
     }
@@ -203,7 +205,7 @@ impl Interval {
         let cause = |bound: f64| match bound {
             _ if is_same(bound, slowest) || is_same(bound, fastest) => BoundCause::Acceleration,
             _ if is_same(bound.abs(), limits.velocity) => BoundCause::Velocity,
-            _ => BoundCause::Position,
+            _ => BoundCause::of_stop(limits),
         };
         let (lowest, highest) = (slowest.clamp(lower, upper), fastest.clamp(lower, upper));
         let interval = Self {
@@ -259,8 +261,8 @@ fn ordered(lower: f64, upper: f64, to_upper: f64) -> (f64, f64) {
 /// Returns the maximum speed from which a joint can stop within `distance` ≥ 0: the braking term of the module `limits`, at
 /// most V.
 fn max_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
-    let (reaction, deceleration) = (reaction_time(period), braking_deceleration(limits));
-    // a(−τ + √(τ² + 2d/a)), rewritten: no cancellation for small d. For infinite d and a it is NaN, which `min` ignores.
+    let (reaction, deceleration) = (stopping_reaction_time(limits, period), stopping_deceleration(limits));
+    // b(−τ + √(τ² + 2d/b)), rewritten: no cancellation for small d. For infinite d and b it is NaN, which `min` ignores.
     let speed = 2.0 * distance / (reaction + (reaction * reaction + 2.0 * distance / deceleration).sqrt());
     speed.min(limits.velocity)
 }

@@ -37,6 +37,25 @@
 //! for the true d: the box of the measured distance ensures it, and full braking keeps it, as above. As d + ε is at most
 //! the measured distance + 2 ε, full braking is always allowed, and no limits contradict each other.
 //!
+//! # Velocity limits near the ends
+//!
+//! A joint with a velocity envelope ([`revprio_robot::VelocityEnvelope`]) must not be faster than √(2 D d) − o towards an end at the
+//! distance d. This is v o/D + v²/2D ≤ d − m with m = o²/2D. So such a joint has ends that are nearer by m, the reaction time τ' = τ + o/D
+//! and the deceleration b = min(a, D) in the terms above:
+//!
+//! v τ' + v²/2b ≤ d − m.
+//!
+//! It implies (v + o)²/2D ≤ d − v τ, so a command keeps the envelope for τ, until after the next one. The box is not empty: with
+//! r = A/b ≥ 1 and v = q̇⁻ − A T > 0,
+//!
+//! v τ' + v²/2b = q̇⁻ τ' + q̇⁻²/2b − r q̇⁻ T − A T (τ' − r T/2) ≤ d⁻ − m − q̇⁻ T,
+//!
+//! because (r − 1) q̇⁻ T + A T τ' ≥ (r − 1) A T² + A T² ≥ r A T²/2. A watchdog that brakes at a ≥ b keeps the envelope: on its ramp
+//! v o/D + v²/2b falls by at least v per second.
+//!
+//! Behind a drive, position and velocity of the joint are means, with the same weights, of earlier p and of the commands at these
+//! times. The pairs of d and v with v ≤ √(2 D d) − o are a convex set. So the joint keeps the envelope as well.
+//!
 //! # Outside the limits
 //!
 //! A measured state may lie outside. Beyond a position limit the box demands a motion back, within V and A. If the
@@ -46,6 +65,8 @@
 mod bound_cause;
 mod braking;
 mod drive;
+#[cfg(test)]
+mod envelope_tests;
 mod full_braking;
 mod hold;
 mod jerk;

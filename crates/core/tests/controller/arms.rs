@@ -11,7 +11,7 @@ use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, AxisSelection, Configuration};
-use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, built_in};
+use revprio_robot::{Joint, JointKind, JointLimits, RobotModel, VelocityEnvelope, built_in};
 
 /// T, s.
 pub const PERIOD: f64 = 1e-3;
@@ -46,6 +46,26 @@ pub fn with_free_joints(robot: &RobotModel) -> RobotModel {
     };
     let name = format!("{} with free joints", robot.name());
     RobotModel::new(name, "", robot.joints().iter().enumerate().map(freed).collect(), *robot.tool()).unwrap()
+}
+
+/// Returns the same robot with velocity envelopes, which are softer and harder than the deceleration of the joints, with margins of 3 to
+/// 21 mrad or mm.
+pub fn with_envelopes(robot: &RobotModel) -> RobotModel {
+    let enveloped = |(i, joint): (usize, &Joint)| {
+        let deceleration = [0.25, 0.6, 1.0, 2.0][i % 4] * braking_deceleration(&joint.limits);
+        let margin = 0.003 * (1 + i) as f64;
+        let envelope = VelocityEnvelope { deceleration, offset: (2.0 * deceleration * margin).sqrt() };
+        Joint { limits: JointLimits { envelope, ..joint.limits }, ..joint.clone() }
+    };
+    let name = format!("{} with envelopes", robot.name());
+    RobotModel::new(name, "", robot.joints().iter().enumerate().map(enveloped).collect(), *robot.tool()).unwrap()
+}
+
+/// Returns how much further away the end that a joint moves to would have to be for its velocity envelope, rad or m; negative: inside.
+pub fn missing_distance(limits: &JointLimits, q: f64, v: f64) -> f64 {
+    let VelocityEnvelope { deceleration, offset } = limits.envelope;
+    let distance = if v > 0.0 { limits.upper - q } else { q - limits.lower };
+    if v == 0.0 { f64::NEG_INFINITY } else { (v.abs() + offset).powi(2) / (2.0 * deceleration) - distance }
 }
 
 /// Returns rows of all joints with a constant target, n.

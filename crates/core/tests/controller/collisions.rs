@@ -489,7 +489,7 @@ fn an_arm_whose_service_dies_keeps_clear() {
 /// alone, and the stop counts with them.
 #[test]
 fn a_late_state_with_limits_that_let_joints_jump_keeps_clear() {
-    let limits = JointLimits { lower: -2.0, upper: 2.0, velocity: 1.0, acceleration: 2.0, jerk: f64::INFINITY };
+    let limits = JointLimits { lower: -2.0, upper: 2.0, velocity: 1.0, acceleration: 2.0, ..JointLimits::NONE };
     let bare = gantry(limits).as_ref().clone();
     let ball = LinkCapsule { link: bare.tips()[0].link, core: Segment::point(Vector3::zeros()), radius: 0.05 };
     let robot = Arc::new(bare.with_capsules(vec![ball], &[]).unwrap());

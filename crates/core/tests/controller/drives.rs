@@ -12,7 +12,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Axis, Configuration};
 
 use super::arms::{NOMINAL, Random, constant, controller, position, ranged_arms, sawyer, task, tool_rows};
-use super::hold::middle;
+use super::hold::{mid_ranges, middle};
 
 /// Bounds of the claim: distance outside, swing at rest (rad, plus 10 times the noise), command at rest (RMS, rad/s).
 pub(super) const OVERSHOOT: f64 = 1e-3;
@@ -28,7 +28,7 @@ const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionV
 #[derive(Clone)]
 pub(super) struct LaggingArm {
     pub(super) q: Vec<f64>,
-    velocity: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
     drive: Drive,
     sent: VecDeque<Vec<f64>>,
     random: Random,
@@ -170,13 +170,13 @@ fn joints_approach_their_limits_and_rest_there_behind_every_drive() {
                 runs += 1;
                 let robot = &arms[runs % arms.len()];
                 let joint = runs % robot.joint_count();
-                let limits = robot.joints()[joint].limits;
-                let (end, outwards) = if runs % 3 == 0 { (limits.lower, -1.0) } else { (limits.upper, 1.0) };
+                let [lowest, highest] = robot.joints()[joint].limits.resting_range();
+                let (end, outwards) = if runs % 3 == 0 { (lowest, -1.0) } else { (highest, 1.0) };
                 let controller = posture(robot, joint, end + outwards, kind, stated, period);
-                let mut start = middle(robot);
+                let mut start = mid_ranges(robot);
                 start[joint] = end - 0.4 * outwards;
                 let mut arm = LaggingArm::at_rest(&start, drive, noise, runs as u64);
-                let calm = run(&controller, &mut arm, |q| (q[joint] - limits.upper).max(limits.lower - q[joint]));
+                let calm = run(&controller, &mut arm, |q| (q[joint] - highest).max(lowest - q[joint]));
                 let name = format!("{} {joint}, T {period}, {drive:?} stated as {stated:?}, {kind:?}", robot.name());
                 assert!(calm.distance.abs() < 1e-3, "{name}: still {} from its limit", calm.distance);
                 worst.add(&calm);

@@ -8,7 +8,10 @@ use revprio_core::rows::{JointRows, JointTarget, TaskRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
-use super::arms::{Loop, Random, config, constant, controller, measurement, position, sawyer, step, with_jerk};
+use super::arms::{
+    Loop, Random, config, constant, controller, measurement, missing_distance, position, sawyer, step, with_envelopes,
+    with_jerk,
+};
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
@@ -18,19 +21,22 @@ const VALID: f64 = 0.1;
 /// Largest distance outside the range that counts as inside, rad or m.
 const TOLERANCE: f64 = 1e-6;
 
-/// Returns the robots that ship, Sawyer without acceleration limits, and Sawyer with jerk limits.
+/// Returns the robots that ship, Sawyer without acceleration limits, with jerk limits, with envelopes, and with both.
 fn robots() -> Vec<Arc<RobotModel>> {
     let unlimited =
         |joint: &Joint| Joint { limits: JointLimits { acceleration: f64::INFINITY, ..joint.limits }, ..joint.clone() };
     let sawyer = sawyer();
     let joints = sawyer.joints().iter().map(unlimited).collect();
     let without_acceleration = RobotModel::new("without acceleration", "", joints, *sawyer.tool()).unwrap();
-    let with_jerk = with_jerk(&sawyer, 0.05);
-    built_in().iter().cloned().chain([without_acceleration, with_jerk].map(Arc::new)).collect()
+    let soft = with_jerk(&sawyer, 0.05);
+    let others = [without_acceleration, with_envelopes(&sawyer), with_envelopes(&soft), soft];
+    built_in().iter().cloned().chain(others.map(Arc::new)).collect()
 }
 
+/// Returns the distance beyond the positions where a joint may rest, rad or m.
 fn outside(limits: &JointLimits, q: f64) -> f64 {
-    (q - limits.upper).max(limits.lower - q)
+    let [lowest, highest] = limits.resting_range();
+    (q - highest).max(lowest - q)
 }
 
 /// Returns the time that an answer states, s: whole milliseconds, at most [`VALID`].
@@ -38,7 +44,7 @@ fn stated(command: &Command) -> f64 {
     (command.hold.time_s.min(VALID) * 1e3).floor() / 1e3
 }
 
-/// Returns the largest distance outside the range, if no answer follows a command.
+/// Returns the largest distance outside the range, or missing for a velocity envelope, if no answer follows a command.
 ///
 /// The command reaches the joints `latency` after the measurement of `q`; until then they move at the velocity `last`.
 /// The watchdog writes once per `interval` the ramp at the time of its next write.
@@ -64,6 +70,7 @@ fn furthest(
             }
             q += interval * speed.copysign(command[i]);
             furthest = furthest.max(outside(&joint.limits, q));
+            furthest = furthest.max(missing_distance(&joint.limits, q, speed.copysign(command[i])));
         }
     }
     furthest
@@ -89,6 +96,12 @@ pub fn middle(robot: &RobotModel) -> Vec<f64> {
     robot.joints().iter().map(middle).collect()
 }
 
+/// Returns the middle of each range, for robots whose joints all have one. The box of a joint there is symmetric, so it rests while another
+/// joint is at its limit.
+pub fn mid_ranges(robot: &RobotModel) -> Vec<f64> {
+    robot.joints().iter().map(|joint| f64::midpoint(joint.limits.lower, joint.limits.upper)).collect()
+}
+
 #[test]
 fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_outside() {
     let (mut kills, mut at_a_limit, mut shortened) = (0, 0, 0);
@@ -96,7 +109,7 @@ fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_out
         for kind in KINDS {
             for (joint, upper) in (0..robot.joint_count()).flat_map(|joint| [(joint, false), (joint, true)]) {
                 let limits = robot.joints()[joint].limits;
-                let end = if upper { limits.upper } else { limits.lower };
+                let end = limits.resting_range()[usize::from(upper)];
                 if !end.is_finite() {
                     continue;
                 }
@@ -143,7 +156,7 @@ fn no_hold_of_a_random_run_leaves_the_range() {
         let kind = KINDS[random.below(2)];
         let period = [5e-4, 1e-3, 5e-3, 2e-2, 5e-2][random.below(5)];
         let within = |random: &mut Random, joint: &Joint| {
-            let (lower, upper) = (joint.limits.lower.max(-3.0), joint.limits.upper.min(3.0));
+            let [lower, upper] = joint.limits.resting_range().map(|end| end.clamp(-3.0, 3.0));
             0.5 * (lower + upper + random.signed() * (upper - lower))
         };
         let mut arm = Loop::at_rest(&robot.joints().iter().map(|joint| within(&mut random, joint)).collect::<Vec<_>>());

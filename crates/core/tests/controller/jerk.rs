@@ -14,7 +14,7 @@ use revprio_robot::{RobotModel, built_in};
 use super::arms::{Loop, Random, constant, position, ranged_arms, task, with_jerk};
 use super::braking::periods;
 use super::drives::{COMMAND, Calm, LaggingArm, NOISE, OVERSHOOT, SWING, drives, posture, run};
-use super::hold::middle;
+use super::hold::{mid_ranges, middle};
 use super::transition::random_config;
 
 /// Times in which the acceleration may rise from 0 to its limit, A/J, s.
@@ -37,15 +37,18 @@ fn joints_approach_their_limits_and_rest_there_behind_every_drive() {
                 runs += 1;
                 let robot = Arc::new(robot(runs));
                 let joint = runs / 7 % robot.joint_count();
-                let limits = robot.joints()[joint].limits;
-                let (end, outwards) = if runs % 2 == 0 { (limits.lower, -1.0) } else { (limits.upper, 1.0) };
+                let [lowest, highest] = robot.joints()[joint].limits.resting_range();
+                let (end, outwards) = if runs % 2 == 0 { (lowest, -1.0) } else { (highest, 1.0) };
                 let kind = LimitKind::PositionVelocityAcceleration;
                 let controller = posture(&robot, joint, end + outwards, kind, stated, period);
-                let mut start = middle(&robot);
+                let mut start = mid_ranges(&robot);
                 start[joint] = end - 0.3 * outwards;
                 let mut arm = LaggingArm::at_rest(&start, drive, noise, runs as u64);
-                let calm = run(&controller, &mut arm, |q| (q[joint] - limits.upper).max(limits.lower - q[joint]));
-                let name = format!("{} {joint}, T {period}, {drive:?} stated as {stated:?}: {calm:?}", robot.name());
+                let calm = run(&controller, &mut arm, |q| (q[joint] - highest).max(lowest - q[joint]));
+                let name = format!(
+                    "{} {joint}, T {period}, noise {noise}, {drive:?} stated as {stated:?}: {calm:?}",
+                    robot.name()
+                );
                 assert!(calm.distance.abs() < 1e-3, "{name}");
                 assert!(calm.overshoot <= OVERSHOOT + 10.0 * noise, "{name}");
                 assert!(calm.swing <= SWING + 10.0 * noise && calm.command <= COMMAND, "{name}");

@@ -12,8 +12,8 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, RobotModel, built_in};
 
 use super::arms::{
-    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, position, sawyer, step, task,
-    with_free_joints, with_jerk,
+    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, missing_distance, position, sawyer,
+    step, task, with_envelopes, with_free_joints, with_jerk,
 };
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::hold::middle;
@@ -72,7 +72,7 @@ impl Client {
         command: &Command,
         periods: u64,
         period: f64,
-        mut each: impl FnMut(&[f64], &[f64]),
+        mut each: impl FnMut(&LaggingArm, &[f64]),
     ) {
         let valid = command.hold.valid_for_ms(100) as f64 / 1e3;
         for k in 1..=periods {
@@ -91,7 +91,7 @@ impl Client {
             }
             self.resumes &= !arrived;
             self.arm.follow(&self.sent, period);
-            each(&self.arm.q, &self.sent);
+            each(&self.arm, &self.sent);
         }
     }
 }
@@ -130,6 +130,8 @@ struct Run {
     limits: LimitKind,
     /// Whether some joints state no acceleration limit.
     free_joints: bool,
+    /// Whether all joints have velocity envelopes; those of `fr3` do.
+    envelopes: bool,
 }
 
 /// The clock of the states.
@@ -145,7 +147,7 @@ enum Clock {
 /// What a run shows.
 #[derive(Debug, Clone, Copy)]
 struct Findings {
-    /// Largest distance outside the range, rad.
+    /// Largest distance outside the range, or missing for the velocity envelope of the measured motion, rad.
     outside: f64,
     /// Largest change of a command from period to period, in multiples of A T.
     change: f64,
@@ -176,10 +178,12 @@ impl Run {
             let command = steppers[current].step(&mut memory, &client.arm.measure(elapsed + offset)).unwrap();
             let periods = lateness.periods(period, &mut random);
             let mut last = client.sent.clone();
-            client.hold(robot, command, periods, period, |q, sent| {
+            client.hold(robot, command, periods, period, |arm, sent| {
                 for (i, joint) in robot.joints().iter().enumerate() {
-                    let limits = &joint.limits;
-                    found.outside = found.outside.max((q[i] - limits.upper).max(limits.lower - q[i]));
+                    let (limits, q) = (&joint.limits, arm.q[i]);
+                    let [lowest, highest] = limits.resting_range();
+                    let missing = missing_distance(limits, q, arm.velocity[i]);
+                    found.outside = found.outside.max((q - highest).max(lowest - q)).max(missing);
                     let change = (sent[i] - last[i]).abs() / (braking_deceleration(limits) * period);
                     found.change = found.change.max(change);
                 }
@@ -193,7 +197,8 @@ impl Run {
     /// Returns the worst findings of all built-in robots.
     fn worst(self, seed: u64) -> Findings {
         let arm = |robot: &Arc<RobotModel>| {
-            if self.free_joints { Arc::new(with_free_joints(robot)) } else { Arc::clone(robot) }
+            let robot = if self.free_joints { Arc::new(with_free_joints(robot)) } else { Arc::clone(robot) };
+            if self.envelopes { Arc::new(with_envelopes(&robot)) } else { robot }
         };
         let runs = built_in().iter().map(|robot| self.on(&arm(robot), seed));
         let worst =
@@ -212,6 +217,7 @@ const RUN: Run = Run {
     knows_times: true,
     limits: LimitKind::PositionVelocityAcceleration,
     free_joints: false,
+    envelopes: false,
 };
 
 const NEVER: Lateness = Lateness { percent: 0, most: 1, kills: false };
@@ -259,6 +265,30 @@ fn late_states_lead_no_joint_that_may_jump_out_of_its_range() {
     }
     println!("joints that may jump: outside {worst:.1e} rad");
     // The box permits δ, and so does a hold.
+    assert!(worst < 2.0 * NOISE_MARGIN, "{worst:e}");
+}
+
+/// Velocity envelopes hold for the measured motion, as if the ends were 2 δ further away.
+#[test]
+fn late_states_lead_no_joint_out_of_its_velocity_envelope() {
+    let (mut seed, mut worst) = (0, f64::NEG_INFINITY);
+    for (limits, free_joints) in [
+        (LimitKind::PositionVelocityAcceleration, false),
+        (LimitKind::PositionVelocityAcceleration, true),
+        (LimitKind::PositionVelocity, false),
+    ] {
+        for (period, lateness) in [0.001, 0.004, 0.01].into_iter().flat_map(|period| {
+            [NEVER, Lateness { percent: 10, most: 1, kills: true }, Lateness { percent: 30, most: 30, kills: true }]
+                .map(|lateness| (period, lateness))
+        }) {
+            for drive in DRIVES {
+                seed += 1;
+                let run = Run { period, drive, stated: drive, lateness, limits, free_joints, envelopes: true, ..RUN };
+                worst = worst.max(run.worst(seed).outside);
+            }
+        }
+    }
+    println!("with envelopes: outside {worst:.1e} rad");
     assert!(worst < 2.0 * NOISE_MARGIN, "{worst:e}");
 }
 

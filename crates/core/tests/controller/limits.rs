@@ -52,7 +52,7 @@ fn arm_with_random_limits(random: &mut Random) -> Arc<RobotModel> {
             upper: middle + half,
             velocity: joint.limits.velocity * factor(-2.0, 1.0),
             acceleration: joint.limits.acceleration * factor(-2.0, 1.0),
-            jerk: f64::INFINITY,
+            ..JointLimits::NONE
         };
     }
     Arc::new(RobotModel::new("random", "", joints, *sawyer.tool()).unwrap())

@@ -1,6 +1,7 @@
 //! Use of the robot's limits in a run. Excesses are computed from the recorded motion, not from the report of the solver.
 
 use revprio_api::wire::{Limits, RobotJoint};
+use revprio_robot::VelocityEnvelope;
 use serde::Serialize;
 
 use crate::simulator::recording::{Recording, Sample};
@@ -16,7 +17,7 @@ pub struct LimitUse {
     pub at_limits_s: f64,
     /// Largest excess of a position (rad or m); 0 if no limit was exceeded, here and below.
     pub position_excess: f64,
-    /// Largest excess of a commanded speed (rad/s or m/s).
+    /// Largest excess of a commanded speed (rad/s or m/s) over its limit at the position of the sample.
     pub velocity_excess: f64,
     /// Largest excess of a commanded acceleration (rad/s² or m/s²).
     pub acceleration_excess: f64,
@@ -59,7 +60,7 @@ impl LimitUse {
             }
         };
         update(&mut self.position_excess, joint.position, bounds.position);
-        update(&mut self.velocity_excess, joint.velocity, bounds.velocity);
+        update(&mut self.velocity_excess, joint.velocity, bounds.velocity_at(joint.position));
         update(&mut self.acceleration_excess, joint.acceleration, bounds.acceleration);
         update(&mut self.jerk_excess, joint.jerk, bounds.jerk);
         let limit = if joint.velocity < 0.0 { -bounds.velocity.0 } else { bounds.velocity.1 };
@@ -75,18 +76,23 @@ struct Bounds {
     velocity: (f64, f64),
     acceleration: (f64, f64),
     jerk: (f64, f64),
+    /// Shrinks `velocity` towards the ends of `position`.
+    envelope: VelocityEnvelope,
 }
 
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 impl Bounds {
+    const NONE: Self =
+        Self { position: FREE, velocity: FREE, acceleration: FREE, jerk: FREE, envelope: VelocityEnvelope::NONE };
+
     fn of(joint: &RobotJoint, limits: &Limits, index: usize) -> Self {
         let symmetric = |limit: Option<f64>| limit.map_or(FREE, |limit| (-limit, limit));
         let kind = match limits {
             Limits::Robot(kind) => *kind,
             Limits::Box { lower, upper } => {
                 let velocity = lower.get(index).copied().zip(upper.get(index).copied()).unwrap_or(FREE);
-                return Self { position: FREE, velocity, acceleration: FREE, jerk: FREE };
+                return Self { velocity, ..Self::NONE };
             }
         };
         let position = joint.position_limit.filter(|_| kind.includes_position());
@@ -97,7 +103,18 @@ impl Bounds {
             velocity: symmetric(velocity),
             acceleration: symmetric(acceleration),
             jerk: symmetric(joint.jerk_limit.filter(|_| kind.includes_acceleration())),
+            envelope: joint.velocity_envelope.filter(|_| kind.includes_position()).map_or(
+                VelocityEnvelope::NONE,
+                |wire| VelocityEnvelope { deceleration: wire.deceleration_limit, offset: wire.velocity_offset },
+            ),
         }
+    }
+
+    /// Returns the bounds of the velocity at a position.
+    fn velocity_at(&self, position: f64) -> (f64, f64) {
+        let towards = |distance| self.envelope.max_speed(distance);
+        let (slowest, fastest) = (-towards(position - self.position.0), towards(self.position.1 - position));
+        (self.velocity.0.max(slowest), self.velocity.1.min(fastest))
     }
 }
 
@@ -129,7 +146,7 @@ impl Joint {
 mod tests {
     use super::*;
     use crate::simulator::recording::AtLimit;
-    use revprio_api::wire::{JointKind, LimitKind};
+    use revprio_api::wire::{JointKind, LimitKind, VelocityEnvelope};
 
     fn joint() -> RobotJoint {
         RobotJoint {
@@ -140,6 +157,7 @@ mod tests {
             velocity_limit: Some(0.5),
             acceleration_limit: Some(10.0),
             jerk_limit: Some(150.0),
+            velocity_envelope: None,
             published_range: None,
             denavit_hartenberg: None,
         }
@@ -183,6 +201,22 @@ mod tests {
         let velocity = measured(&trace, &Limits::Robot(LimitKind::Velocity));
         assert!(velocity.position_excess == 0.0 && near(velocity.velocity_excess, 0.5) && !velocity.kept());
         assert!(measured(&trace, &Limits::Robot(LimitKind::None)).kept());
+    }
+
+    #[test]
+    fn the_speed_counts_towards_the_end_that_is_near() {
+        let envelope = VelocityEnvelope { deceleration_limit: 2.0, velocity_offset: 0.1 };
+        let joint = RobotJoint { velocity_envelope: Some(envelope), ..joint() };
+        let bounds = |kind| Bounds::of(&joint, &Limits::Robot(kind), 0);
+        // √(2 · 2 · 0.04) − 0.1 = 0.3, and within 0.1²/(2 · 2) nothing.
+        let (low, high) = bounds(LimitKind::PositionVelocity).velocity_at(1.96);
+        assert!(near(low, -0.5) && near(high, 0.3), "{low} {high}");
+        assert_eq!(bounds(LimitKind::PositionVelocity).velocity_at(-0.998), (0.0, 0.5));
+        assert_eq!(bounds(LimitKind::Velocity).velocity_at(1.999), (-0.5, 0.5));
+        let mut run = LimitUse::default();
+        let motion = Joint { position: 1.96, velocity: 0.4, ..Joint::of(&Sample::at_rest(), [None; 2], 0, 0.1) };
+        run.add(&bounds(LimitKind::PositionVelocity), motion);
+        assert!(near(run.velocity_excess, 0.1) && !run.kept(), "{run:?}");
     }
 
     #[test]

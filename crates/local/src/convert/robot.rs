@@ -3,7 +3,7 @@
 use revprio_api::wire;
 use revprio_robot::{
     ChainSelection, EndEffector, Joint, LeftOut, LimitOverride, ModelError, Overrides, RobotModel, Tip, UrdfError,
-    UrdfOptions, UrdfTip, UrdfTreeOptions,
+    UrdfOptions, UrdfTip, UrdfTreeOptions, VelocityEnvelope,
 };
 
 use super::checks::{Inside, Result, check, check_name, each};
@@ -97,11 +97,19 @@ fn registered_tip(tip: &wire::RegisteredTip) -> Result<UrdfTip<'_>> {
 /// Reads the values of a registration that replace those of its text.
 pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides> {
     let limit = |(joint, stated): (&String, &wire::StatedLimits)| {
-        let wire::StatedLimits { position, velocity, acceleration, jerk } = *stated;
-        let numbers = position.into_iter().flatten().chain(velocity).chain(acceleration).chain(jerk);
+        let wire::StatedLimits { position, velocity, acceleration, jerk, velocity_envelope } = *stated;
+        let envelope = velocity_envelope
+            .map(|wire| VelocityEnvelope { deceleration: wire.deceleration_limit, offset: wire.velocity_offset });
+        let numbers = position
+            .into_iter()
+            .flatten()
+            .chain(velocity)
+            .chain(acceleration)
+            .chain(jerk)
+            .chain(envelope.iter().flat_map(|envelope| [envelope.deceleration, envelope.offset]));
         check_numbers(&numbers.collect::<Vec<f64>>(), "")
             .map_err(|error| error.inside(&format!("/limits/{}", escape_pointer(joint))))?;
-        Ok((joint.clone(), LimitOverride { position, velocity, acceleration, jerk }))
+        Ok((joint.clone(), LimitOverride { position, velocity, acceleration, jerk, envelope }))
     };
     Ok(Overrides {
         limits: request.limits.iter().flatten().map(limit).collect::<Result<_>>()?,
@@ -193,6 +201,10 @@ fn joint_answer(joint: &Joint) -> wire::RobotJoint {
         velocity_limit: finite(limits.velocity),
         acceleration_limit: finite(limits.acceleration),
         jerk_limit: finite(limits.jerk),
+        velocity_envelope: limits.envelope.is_finite().then_some(wire::VelocityEnvelope {
+            deceleration_limit: limits.envelope.deceleration,
+            velocity_offset: limits.envelope.offset,
+        }),
         published_range: joint.published_range,
         denavit_hartenberg: joint.denavit_hartenberg.map(|row| wire::DenavitHartenberg {
             d_m: row.d,

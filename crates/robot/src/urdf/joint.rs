@@ -6,12 +6,14 @@ use roxmltree::Node;
 use super::UrdfError;
 use super::document::{Edge, child, numbers, pose};
 use crate::tree_description::SHORTEST_AXIS;
-use crate::{JointKind, JointLimits, JointMotion, LimitOverride, Mimic, TreeJoint};
+use crate::{JointKind, JointLimits, JointMotion, LimitOverride, Mimic, TreeJoint, VelocityEnvelope};
 
 const POSITION: &str = "\"position\": [lower, upper]";
 const VELOCITY: &str = "\"velocity\": number";
 const ACCELERATION: &str = "\"acceleration\": number";
 const JERK: &str = "\"jerk\": number";
+const ENVELOPE_TAG: &str = "position_based_velocity_limits";
+const ENVELOPE: &str = "\"velocity_envelope\": {\"deceleration_limit\": number, \"velocity_offset\": number}";
 
 /// Which joints a robot may have.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -107,12 +109,29 @@ impl Reader<'_> {
         };
         let velocity = velocity.ok_or_else(|| self.limit("<limit> needs `velocity`", VELOCITY))?;
         let jerk = limit("jerk", stated.jerk)?.unwrap_or(f64::INFINITY);
-        self.check(JointLimits { lower, upper, velocity, acceleration, jerk })
+        self.check(JointLimits { lower, upper, velocity, acceleration, jerk, envelope: self.envelope(stated)? })
+    }
+
+    /// Reads the velocity limits that shrink towards the ends of the range, an element of the URDF texts of Franka's arms.
+    fn envelope(&self, stated: &LimitOverride) -> Result<VelocityEnvelope, UrdfError> {
+        if let Some(stated) = stated.envelope {
+            return Ok(stated);
+        }
+        if child(self.element, ENVELOPE_TAG).is_none() {
+            return Ok(VelocityEnvelope::NONE);
+        }
+        let number = |field| Ok::<_, UrdfError>(self.numbers(ENVELOPE_TAG, field)?.map(|[value]: [f64; 1]| value));
+        match (number("deceleration_limit")?, number("velocity_offset")?) {
+            (Some(deceleration), Some(offset)) => Ok(VelocityEnvelope { deceleration, offset }),
+            _ => {
+                Err(self.limit(format!("<{ENVELOPE_TAG}> needs `deceleration_limit` and `velocity_offset`"), ENVELOPE))
+            }
+        }
     }
 
     /// Refuses limits that no motion obeys.
     fn check(&self, limits: JointLimits) -> Result<JointLimits, UrdfError> {
-        let JointLimits { lower, upper, velocity, acceleration, jerk } = limits;
+        let JointLimits { lower, upper, velocity, acceleration, jerk, envelope } = limits;
         let not_positive = |name: &str, value: f64| format!("the {name} limit {value} is not positive");
         if !(lower <= upper) {
             let cause = format!("the position range from {lower} to {upper} is empty");
@@ -126,6 +145,20 @@ impl Reader<'_> {
         }
         if !(jerk > 0.0) {
             return Err(self.limit(not_positive("jerk", jerk), JERK));
+        }
+        if !envelope.is_valid() {
+            let VelocityEnvelope { deceleration, offset } = envelope;
+            let cause = format!(
+                "the velocity envelope has the deceleration {deceleration}, which must be positive, and the offset {offset}, which must not be negative"
+            );
+            return Err(self.limit(cause, ENVELOPE));
+        }
+        if !limits.leaves_a_range() {
+            let cause = format!(
+                "its velocity envelope allows no motion nearer than {} to its ends, which leaves no range",
+                envelope.margin()
+            );
+            return Err(self.limit(cause, ENVELOPE));
         }
         Ok(limits)
     }

@@ -2,7 +2,7 @@ use nalgebra::{IsometryMatrix3, Vector3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{JointKind, LimitOverride, ModelError, Overrides, RobotModel, TipReason};
+use crate::{JointKind, LimitOverride, ModelError, Overrides, RobotModel, TipReason, VelocityEnvelope};
 
 mod arms;
 mod trees;
@@ -93,6 +93,28 @@ fn acceleration_is_the_smaller_of_both_directions() {
 }
 
 #[test]
+fn velocity_limits_near_the_ends_are_read() {
+    let envelope = |attributes: &str| {
+        let limits = r#"<limit lower="-1" upper="2" velocity="3"/><position_based_velocity_limits "#;
+        one(&format!(r#"type="revolute">{limits}{attributes}/>"#)).map(|robot| robot.joints()[0].limits.envelope)
+    };
+    let stated = envelope(r#"velocity_offset="0.2" deceleration_limit="2.585""#).unwrap();
+    assert_eq!(stated, VelocityEnvelope { deceleration: 2.585, offset: 0.2 });
+    assert_eq!(one(REVOLUTE).unwrap().joints()[0].limits.envelope, VelocityEnvelope::NONE);
+    for (wrong, cause) in [
+        (r#"deceleration_limit="6""#, "needs `deceleration_limit` and `velocity_offset`"),
+        (r#"deceleration_limit="0" velocity_offset="0.1""#, "deceleration 0, which must be positive"),
+        (r#"deceleration_limit="6" velocity_offset="-0.1""#, "offset -0.1, which must not be negative"),
+        (r#"deceleration_limit="6" velocity_offset="inf""#, "velocity_offset"),
+        (r#"deceleration_limit="six" velocity_offset="1""#, "deceleration_limit"),
+        (r#"deceleration_limit="1" velocity_offset="2""#, "no motion nearer than 2 to its ends"),
+    ] {
+        let error = envelope(wrong).unwrap_err().to_string();
+        assert!(error.contains("`j`") && error.contains(cause), "{error}");
+    }
+}
+
+#[test]
 fn jerk_is_read_and_must_be_positive() {
     let limit = |more: &str| {
         let rest = format!(r#"type="revolute"><limit lower="-1" upper="1" velocity="2" {more}/>"#);
@@ -140,11 +162,17 @@ fn overrides_replace_and_complete_the_text() {
     let mended = limits(LimitOverride { velocity: Some(2.0), ..LimitOverride::default() }).unwrap();
     assert_eq!((mended.lower, mended.upper, mended.velocity), (-1.0, 1.0, 2.0));
     assert!(mended.acceleration.is_infinite());
-    let all =
-        LimitOverride { position: Some([-0.5, 0.5]), velocity: Some(3.0), acceleration: Some(4.0), jerk: Some(90.0) };
+    let envelope = VelocityEnvelope { deceleration: 2.0, offset: 0.1 };
+    let all = LimitOverride {
+        position: Some([-0.5, 0.5]),
+        velocity: Some(3.0),
+        acceleration: Some(4.0),
+        jerk: Some(90.0),
+        envelope: Some(envelope),
+    };
     let all = limits(all).unwrap();
     assert_eq!((all.lower, all.upper, all.velocity), (-0.5, 0.5, 3.0));
-    assert_eq!((all.acceleration, all.jerk), (4.0, 90.0));
+    assert_eq!((all.acceleration, all.jerk, all.envelope), (4.0, 90.0, envelope));
     for bad in [f64::NAN, 0.0, -1.0] {
         assert!(limits(LimitOverride { velocity: Some(bad), ..LimitOverride::default() }).is_err(), "{bad}");
     }

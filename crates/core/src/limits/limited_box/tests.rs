@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 
 const LIMITS: JointLimits =
-    JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0, jerk: f64::INFINITY };
+    JointLimits { lower: -1.0, upper: 2.0, velocity: 1.5, acceleration: 8.0, ..JointLimits::NONE };
 const T: f64 = 0.01;
 
 /// Returns the interval of a joint that follows its commands at once.

@@ -163,8 +163,8 @@ impl Observation<'_> {
     /// would not be freed by another posture.
     fn is_at_range_end(&self) -> bool {
         self.resolution.active_limits().any(|(joint, limit)| {
-            let (q, range) = (self.joint_position[joint], &self.config.robot.joints()[joint].limits);
-            let end = if limit.bound.side == Side::Upper { range.upper } else { range.lower };
+            let (q, limits) = (self.joint_position[joint], &self.config.robot.joints()[joint].limits);
+            let end = limits.resting_range()[usize::from(limit.bound.side == Side::Upper)];
             (end - q).abs() < RANGE_END
         })
     }

@@ -59,7 +59,7 @@ impl TargetPosture {
         let heights: Vec<usize> = tasks.iter().map(|&k| config.tasks[k].rows.len()).collect();
         let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
         let range = |joint: &revprio_robot::Joint| {
-            if config.keeps_positions() { [joint.limits.lower, joint.limits.upper] } else { unlimited }
+            if config.keeps_positions() { joint.limits.resting_range() } else { unlimited }
         };
         Some(Self {
             newton: Newton::new(&heights, scales(config)),
