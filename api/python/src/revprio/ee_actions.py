@@ -35,6 +35,9 @@ TRUST_RAD = 0.3
 ARRIVED_RAD = 1e-7
 """A step below this ends the iteration, rad."""
 
+LARGEST = 1e6
+"""Errors of the position count as at most this, m; an action with a larger number holds the last one, m or rad."""
+
 _numbers = itertools.count()
 
 
@@ -102,7 +105,9 @@ class RobotKinematics:
         """Returns one step of the weighted least-squares problem within the ranges, rad."""
         answer = LOCAL.kinematics(robot=self._robot, joint_position=q)
         pose = _matrix(answer.pose)
-        error = np.concatenate([desired[:3, 3] - pose[:3, 3], _rotation_vector(desired[:3, :3] @ pose[:3, :3].T)])
+        distance = desired[:3, 3] - pose[:3, 3]
+        distance *= LARGEST / max(LARGEST, np.abs(distance).max())
+        error = np.concatenate([distance, _rotation_vector(desired[:3, :3] @ pose[:3, :3].T)])
         rows = [k for k in range(6) if weights[k] > 0]
         task = ResolveTask(
             jacobian=(weights[:, np.newaxis] * np.asarray(answer.jacobian))[rows], velocity=(weights * error)[rows]
@@ -129,7 +134,7 @@ class EEToJoints:
     An action has `ee.x` … `ee.z` (m), `ee.wx` … `ee.wz` (rotation vector, rad) and `ee.gripper_pos`; it becomes
     `NAME.pos` (degrees) of each motor. Where a joint would move faster than allowed, all joints move by the same,
     smaller part of the way: the direction stays, and nothing is raised. The next actions make up for it. An action that
-    lacks numbers, or has some that are not finite, holds the last joint action.
+    lacks numbers, or has some that are not finite or beyond a million, holds the last joint action.
 
     In a pipeline of LeRobot, use `revprio.lerobot_step.EEToJointsStep`.
     """
@@ -144,6 +149,15 @@ class EEToJoints:
     last: dict[str, float] | None = field(default=None, init=False)
     scale: float = field(default=1.0, init=False)
     """Part of the way that the last action was allowed to go, 0 to 1."""
+
+    def __post_init__(self) -> None:
+        """Raises `ValueError` for a period or a speed that is not a positive number: NaN would bound nothing."""
+        speeds = {"max_speed_deg_s": self.max_speed_deg_s}
+        if isinstance(self.max_speed_deg_s, Mapping):
+            speeds = {f"max_speed_deg_s of {name}": self._speed(name) for name in self._arm()}
+        for name, value in {"period_s": self.period_s, "max_gripper_speed": self.max_gripper_speed, **speeds}.items():
+            if not 0 < _number(value) < math.inf:
+                raise ValueError(f"{name} must be a positive number, not {value!r}")
 
     def process(self, action: Mapping[str, Any], observation: Mapping[str, Any]) -> dict[str, Any]:
         """Returns the joint action; `observation`: `NAME.pos` of each motor, the start of the first action.
@@ -165,7 +179,7 @@ class EEToJoints:
         names = ("ee.x", "ee.y", "ee.z", "ee.wx", "ee.wy", "ee.wz")
         numbers = [_number(action.get(name)) for name in names]
         wanted = dict(zip(self.motor_names, current.tolist(), strict=True))
-        if all(math.isfinite(number) for number in numbers):
+        if all(abs(number) <= LARGEST for number in numbers):
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = _rotation(numbers[3:]), numbers[:3]
             solution = self.kinematics.inverse_kinematics(current, pose)
@@ -177,7 +191,7 @@ class EEToJoints:
 
     def _move_towards(self, wanted: Mapping[str, float]) -> None:
         last = self.last or {}
-        arm = [name for name in self.motor_names if name != "gripper"]
+        arm = self._arm()
         shares = [self._most(name) / abs(wanted[name] - last[name]) for name in arm if wanted[name] != last[name]]
         self.scale = min([1.0, *shares])
         moved = {name: last[name] + self.scale * (wanted[name] - last[name]) for name in arm}
@@ -186,9 +200,16 @@ class EEToJoints:
             moved["gripper"] = last["gripper"] + min(max(wanted["gripper"] - last["gripper"], -most), most)
         self.last = {name: moved[name] for name in self.motor_names}
 
+    def _arm(self) -> list[str]:
+        return [name for name in self.motor_names if name != "gripper"]
+
     def _most(self, name: str) -> float:
+        return self.period_s * self._speed(name)
+
+    def _speed(self, name: str) -> float:
+        """Returns the largest speed of a motor, degrees per second; NaN: none is given."""
         speed = self.max_speed_deg_s
-        return self.period_s * (speed[name] if isinstance(speed, Mapping) else speed)
+        return speed.get(name, math.nan) if isinstance(speed, Mapping) else speed
 
 
 def _observed(observation: Mapping[str, Any], name: str) -> float:
@@ -205,7 +226,7 @@ def _observed(observation: Mapping[str, Any], name: str) -> float:
 def _number(value: object) -> float:
     try:
         return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return math.nan
 
 
