@@ -6,7 +6,8 @@ Usage: python steps.py PROGRAM STATES.npz URDF
 active in most periods. `revprio`, `pink`, `mink`, `placo`, `embodik` and `roboplan` compute the command for each of
 these states, kinematics included. pink, mink and placo solve in one level: the first task has 1000 times the weight of
 the second one.
-`threads` steps controllers in 1, 2, 4 and 8 threads. `run` runs all of them.
+`limited` times the steps of revprio with active limits, `threads` steps controllers in 1 to 8 threads. `run` runs
+all of them, and `table.py` makes a table of the lines.
 """
 
 from __future__ import annotations
@@ -260,7 +261,7 @@ def with_roboplan(states: Any) -> Step:  # noqa: ANN401
 
 
 def report(name: str, step: Step, states: Any) -> None:  # noqa: ANN401
-    """Prints a row: median and 99th percentile of the time, limit violation, deviation of the first task."""
+    """Prints a line: name, median and 99th percentile of the time, µs, limit violation, deviation of the first task."""
     commands = np.array([step(i) for i in range(PERIODS)])
     times = np.zeros((ROUNDS, PERIODS))
     for row in times:
@@ -272,7 +273,7 @@ def report(name: str, step: Step, states: Any) -> None:  # noqa: ANN401
     micros = times.min(axis=0) * 1e6
     excess = np.maximum(np.abs(commands) - states["limit"], 0).max()
     first = np.abs(np.einsum("ij,ij->i", states["rows"], commands) - states["first"]).max()
-    print(f"| {name} | {np.median(micros):.1f} | {np.quantile(micros, 0.99):.1f} | {excess:.1e} | {first:.1e} |")
+    print(f"{name},{np.median(micros):.2f},{np.quantile(micros, 0.99):.2f},{excess:.1e},{first:.1e}")
 
 
 def report_limited(states: Any) -> None:  # noqa: ANN401
@@ -319,6 +320,8 @@ def main() -> None:
         states = dict(stored)
     if program == "threads":
         return report_threads(states)
+    if program == "limited":
+        return report_limited(states)
     peers = {
         "pink": with_pink,
         "mink": with_mink,
@@ -327,8 +330,7 @@ def main() -> None:
         "roboplan": with_roboplan,
     }
     make = {"revprio": with_revprio, **peers}[program]
-    report(program, make(states), states)
-    return report_limited(states) if program == "revprio" else None
+    return report(program, make(states), states)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import math
 import os
 import runpy
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -55,6 +56,9 @@ def test_a_target_out_of_reach_is_approached_and_nothing_is_raised(kinematics: R
     found = kinematics.inverse_kinematics(START, far)
     assert np.isfinite(found).all()
     assert kinematics.forward_kinematics(found)[0, 3] > 0.7
+    for metres in (1e15, 1e300):
+        far[0, 3] = metres
+        assert np.isfinite(kinematics.inverse_kinematics(START, far)).all()
     far[0, 3] = math.nan
     assert (kinematics.inverse_kinematics(START, far) == START).all()
 
@@ -88,7 +92,9 @@ def test_a_jump_is_scaled_and_made_up_for(kinematics: RobotKinematics) -> None:
     assert last["extra"] == 1
 
 
-@pytest.mark.parametrize("wrong", [{}, {"ee.x": math.nan}, {"ee.x": None}, {"ee.wx": "a"}])
+@pytest.mark.parametrize(
+    "wrong", [{}, {"ee.x": math.nan}, {"ee.x": None}, {"ee.wx": "a"}, {"ee.y": 1e300}, {"ee.wz": 10**400}]
+)
 def test_an_action_without_numbers_holds_the_last_one(kinematics: RobotKinematics, wrong: dict[str, object]) -> None:
     step = EEToJoints(kinematics, NAMES)
     observation = {f"{name}.pos": value for name, value in zip(NAMES, START, strict=True)}
@@ -125,6 +131,22 @@ def test_the_numbers_are_those_of_the_real_package(tmp_path: Path) -> None:
         found = ours.inverse_kinematics(start, goal)
         assert np.abs(ours.forward_kinematics(found)[:3, 3] - goal[:3, 3]).max() < 1e-5
         assert np.abs(theirs.forward_kinematics(step)[:3, 3] - goal[:3, 3]).max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("max_speed_deg_s", math.nan),
+        ("max_speed_deg_s", 0.0),
+        ("max_speed_deg_s", dict.fromkeys(NAMES[:-1], 90.0)),
+        ("max_speed_deg_s", dict.fromkeys(NAMES, -1.0)),
+        ("max_gripper_speed", math.inf),
+        ("period_s", None),
+    ],
+)
+def test_a_speed_that_bounds_nothing_is_refused(kinematics: RobotKinematics, field: str, value: Any) -> None:  # noqa: ANN401
+    with pytest.raises(ValueError, match=rf"^{field}( of panda_joint\d)? must be a positive number"):
+        EEToJoints(kinematics, [*NAMES, "gripper"], **{field: value})
 
 
 LEADER = str(ROOT / "api/python/examples/leader_follower.py")

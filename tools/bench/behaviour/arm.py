@@ -89,8 +89,8 @@ def load(path: Path = SOURCE) -> Arm:
 
 
 def urdf_for_peers(folder: Path) -> Path:
-    """Writes the URDF without its version: older parsers do not know 1.2."""
+    """Writes the URDF without its version and the limits that came with it: older parsers do not know 1.2."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "panda.urdf"
-    path.write_text(re.sub(r' version="1\.2"', "", SOURCE.read_text()))
+    path.write_text(re.sub(r' (version="1\.2"|(acceleration|deceleration|jerk)="[^"]*")', "", SOURCE.read_text()))
     return path

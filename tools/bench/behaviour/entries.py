@@ -15,8 +15,14 @@ MODULES = {
     "pink, acceleration limits": "pink_accelerations",
     "mink": "mink",
     "placo": "placo",
+    "EmbodiK": "embodik",
+    "EmbodiK, acceleration limits": "embodik_limits",
+    "EmbodiK, acceleration solver": "embodik_accelerations",
+    "RoboPlan": "roboplan",
+    "RoboPlan, unfiltered": "roboplan_unfiltered",
+    "RoboPlan, acceleration limits": "roboplan_limits",
 }
-"""Module of each entry. Each is imported only when it runs: placo needs other versions of its libraries than pink."""
+"""Module of each entry. Each is imported only when it runs: the programs need different versions of libraries."""
 OURS = "revprio"
 
 

@@ -29,8 +29,8 @@ SETTING = SETTINGS[1]
 """Real conditions with measured positions."""
 MOVING = "out_of_reach"
 """Family of the moving picture."""
-COLUMNS = ("revprio", "pink", "mink")
-"""revprio and the two peers with the best ranks that use the settings of their examples."""
+COLUMNS = ("revprio", "RoboPlan", "EmbodiK")
+"""revprio and the two other programs whose entries with the settings of their examples have the best ranks."""
 FRAMES_PER_S = 10
 COLOURS = {
     "revprio": "#0072b2",
@@ -39,7 +39,10 @@ COLOURS = {
     "pink, acceleration limits": "#cc79a7",
     "mink": "#009e73",
     "placo": "#8c8c8c",
+    "EmbodiK": "#b38f00",
+    "RoboPlan": "#5e4fa2",
 }
+"""The entries that are drawn. The tables have all."""
 STYLE = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 9}
 
 
@@ -61,12 +64,12 @@ def acceleration_over_limit(record: Record) -> Array:
 
 
 def draw_family(axes: tuple[Axes, Axes], out: Path, family: Family) -> None:
-    """Draws error and acceleration of all entries over the time."""
+    """Draws error and acceleration of the drawn entries over the time."""
     left, right = axes
     for start, end in family.untracked:
         left.axvspan(start, end, color="0.93")
         right.axvspan(start, end, color="0.93")
-    for name in reversed(entries.MODULES):
+    for name in reversed(COLOURS):
         record = load(out, name, SETTING, family)
         times_s = PERIOD_S * np.arange(len(record.position), dtype=np.float64)
         width = 1.4 if name.startswith(entries.OURS) else 0.7
@@ -89,8 +92,8 @@ def draw_families(out: Path, path: Path) -> None:
         draw_family((axes[0], axes[1]), out, family)
     for axis in rows[-1]:
         axis.set_xlabel("time, s")
-    lines = [Line2D([], [], color=COLOURS[name]) for name in entries.MODULES]
-    figure.legend(lines, list(entries.MODULES), loc="outside upper center", ncols=len(lines), frameon=False)
+    lines = [Line2D([], [], color=colour) for colour in COLOURS.values()]
+    figure.legend(lines, list(COLOURS), loc="outside upper center", ncols=len(lines), frameon=False)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 

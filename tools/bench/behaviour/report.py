@@ -102,9 +102,14 @@ def ranks(results: dict[str, Score]) -> dict[str, float]:
     return {name: total / len(COLUMNS) for name, total in totals.items()}
 
 
+def is_faulty(result: Score) -> bool:
+    """Returns whether a run has a violation, a freeze, a failure or a missed recovery."""
+    return bool(result.violations or result.freezes or result.failures or result.recoveries_missed)
+
+
 def overall_table(scores: Scores, families: list[Family]) -> str:
-    """Returns the mean ranks over the families, for each setting and over all."""
-    rows = [["place", "controller", *(setting.name for setting in SETTINGS), "all"]]
+    """Returns the mean ranks over the families, for each setting and over all, and how many runs have faults."""
+    rows = [["place", "controller", *(setting.name for setting in SETTINGS), "all", "runs with faults"]]
     means: dict[str, list[float]] = {}
     for setting in SETTINGS:
         found = [
@@ -116,7 +121,9 @@ def overall_table(scores: Scores, families: list[Family]) -> str:
     order = sorted(means, key=lambda name: np.mean(means[name]))
     for place, name in enumerate(order, start=1):
         numbers = [*means[name], float(np.mean(means[name]))]
-        rows.append([str(place), name, *(f"{number:.2f}" for number in numbers)])
+        runs = [found[name] for found in scores.values() if name in found]
+        faulty = sum(is_faulty(result) for result in runs)
+        rows.append([str(place), name, *(f"{number:.2f}" for number in numbers), f"{faulty} of {len(runs)}"])
     return table(rows)
 
 

@@ -21,6 +21,8 @@ FROZEN_SPEED = 0.01
 FROZEN_FOR_S = 0.5
 SLACK_RAD = 5e-4
 """Positions may be this far outside the range: five standard deviations of the noise."""
+SPEED_SLACK = 1e-4
+"""Commands may exceed a speed limit by this part of it: the tolerance of a solver."""
 CUT_OFF_HZ = 3.0
 
 
@@ -115,7 +117,7 @@ def score(record: Record, family: Family) -> Score:
     tracked = ~inside(times_s, family.untracked)
     acceleration = np.diff(record.command, axis=0, prepend=0.0) / PERIOD_S
     outside = np.maximum(record.position - arm.upper, arm.lower - record.position).max(axis=1)
-    too_fast = (np.abs(record.command) > arm.velocity * (1 + 1e-6)).any(axis=1)
+    too_fast = (np.abs(record.command) > arm.velocity * (1 + SPEED_SLACK)).any(axis=1)
     still = np.linalg.norm(record.command, axis=1) < FROZEN_SPEED
     frozen = still & (error > RECOVERED_M) & ~inside(times_s, family.unreachable)
     found = recoveries(error, family)

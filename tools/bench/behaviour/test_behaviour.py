@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 from behaviour import arm as model
-from behaviour import score
+from behaviour import report, score
 from behaviour.families import PERIOD_S, families
 from behaviour.plant import IDEAL, REAL, Condition, Plant, brake
 from behaviour.rotations import from_quaternion, from_rotation_vector, rotation_angle, rotation_vector, to_quaternion
@@ -94,6 +94,22 @@ class Tests(unittest.TestCase):
         self.assertEqual(result.failures, 1)
         self.assertGreaterEqual(result.freezes, 1)
         self.assertAlmostEqual(result.acceleration_over_limit, 220 / 15)
+
+    def test_the_tolerance_of_a_solver_is_no_fault(self) -> None:
+        """A command above its limit by less than a ten-thousandth does not count, above that it does."""
+        family = families(quick=True)[0]
+        position = np.tile(model.HOME, (200, 1))
+        command = np.zeros_like(position)
+        command[10, 3], command[20, 3] = model.load().velocity[3] * np.array([1 + 5e-5, 1 + 2e-4])
+        self.assertEqual(score.score(Record(position, command, np.zeros(200)), family).violations, 1)
+
+    def test_runs_with_faults_are_counted(self) -> None:
+        """A run with a failure is faulty, one at rest on its target is not."""
+        family = families(quick=True)[0]
+        rest = np.tile(model.HOME, (10, 1))
+        clean, failed = np.zeros(10), np.ones(10)
+        results = [score.score(Record(rest, np.zeros_like(rest), flags), family) for flags in (clean, failed)]
+        self.assertEqual([report.is_faulty(result) for result in results], [False, True])
 
     def test_recovery_must_last(self) -> None:
         """A short moment of small error is no recovery."""
