@@ -27,6 +27,9 @@ pub enum ContactFault {
     StaysInRetreat,
     /// The force exceeds `max_force`.
     ForceLimit,
+    /// The reading has stayed the same while the tool moved: away from the target for 0.1 s and 1 mm or 10 mrad, near it for 1 s and 10 mm
+    /// or 0.1 rad. The sensor sticks or is saturated. Check its connection and its range.
+    Stuck,
 }
 
 /// The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
@@ -136,4 +139,8 @@ pub struct ContactMemory {
     /// Whether the force is above its target.
     #[schema(example = false)]
     pub is_above: bool,
+    /// The reading that does not change, the position where it was read first, and the time since then, s; default zeros.
+    #[schema(example = json!([29.9, 0.012, 0.0]))]
+    #[serde(default)]
+    pub unchanged: [f64; 3],
 }

@@ -36,8 +36,8 @@ mod task_vector;
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use contact::{
     AxisInput, ContactAxis, ContactContradiction, ContactLaw, ContactLawError, ContactPhase, ContactReport,
-    ContactSettings, ContactTiming, FaultCause, StiffnessEstimate, SurfaceMotion, Swing, largest_approach_speed,
-    unavoidable_peak,
+    ContactSettings, ContactTiming, FaultCause, StiffnessEstimate, SurfaceMotion, Swing, Unchanged,
+    largest_approach_speed, unavoidable_peak,
 };
 pub use force::ForceLaw;
 pub use gains::{GainError, Gains};

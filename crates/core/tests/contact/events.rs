@@ -4,7 +4,7 @@ use revprio_core::law::{ContactPhase, ContactSettings, FaultCause};
 use revprio_core::limits::Drive;
 
 use crate::laws::{Pressing, bound, press};
-use crate::plant::{Conditions, Event, run};
+use crate::plant::{Conditions, Controller, Event, run};
 
 /// Conditions in which the event comes after the contact has settled.
 fn later(stiffness: f64, event: impl Fn(f64) -> Event) -> Conditions {
@@ -115,4 +115,47 @@ fn the_energy_of_losses_and_jumps_stays_below_the_tank_and_its_refill() {
         let impact = 0.5 * found.peak.max(found.peak_after).powi(2) / stiffness;
         assert!(found.energy < tank.max(impact), "{stiffness}: {found:?}");
     }
+}
+
+/// A controller whose readings stay the same from a force on.
+struct Sticking {
+    law: Pressing,
+    from: f64,
+    last: Option<f64>,
+}
+
+impl Controller for Sticking {
+    fn command(&mut self, reading: f64, velocity: f64) -> f64 {
+        if self.last.is_none() && reading >= self.from {
+            self.last = Some(reading);
+        }
+        self.law.command(self.last.unwrap_or(reading), velocity)
+    }
+}
+
+#[test]
+fn a_sensor_that_sticks_ends_in_a_fault() {
+    for stiffness in [1e3, 1e4, 1e5] {
+        for (speed, from) in [(0.01, 5.0), (0.03, 15.0), (0.03, 25.0), (0.05, 5.0)] {
+            let terms = Conditions { hold: 3.0, ..Conditions::new(stiffness, speed, (0.01, 1, 0.002)) };
+            let mut sticking = Sticking { law: Pressing::new(&terms), from, last: None };
+            let mut last = f64::NAN;
+            let found = run(&terms, &mut sticking, |[_, force, ..]| last = force);
+            let case = format!("{stiffness} {speed} {from}: {last} {found:?}");
+            assert_eq!(sticking.law.axis().phase, ContactPhase::Fault(FaultCause::Stuck), "{case}");
+            assert!(last < from.max(30.0), "{case}");
+            // 0.1 s and 1 mm at the speed of the approach, and the way until the tool stands.
+            let way = 1e-3 + 0.15 * speed + speed * speed / (2.0 * terms.acceleration) + 0.02 * speed;
+            assert!(found.peak < stiffness * way + 30.0, "{case}");
+        }
+    }
+}
+
+/// Near the target, a surface could move along with the tool.
+#[test]
+fn a_sensor_that_sticks_near_its_target_ends_in_a_fault_later() {
+    let terms = Conditions { hold: 4.0, ..Conditions::new(1e4, 0.02, (0.01, 1, 0.002)) };
+    let mut sticking = Sticking { law: Pressing::new(&terms), from: 28.5, last: None };
+    let found = run(&terms, &mut sticking, |_| {});
+    assert_eq!(sticking.law.axis().phase, ContactPhase::Fault(FaultCause::Stuck), "{found:?}");
 }

@@ -4,7 +4,7 @@ use revprio_api::wire::{self, PerAxis};
 use revprio_core::controller::ControllerConfig;
 use revprio_core::law::{
     ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, StiffnessEstimate,
-    SurfaceMotion, Swing,
+    SurfaceMotion, Swing, Unchanged,
 };
 use revprio_robot::kinematics::{Axis, AxisSelection};
 
@@ -129,11 +129,13 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
     let [squared_position, product, squared_force, samples] = axis.sums;
     let [mean, seen, velocity] = axis.surface_motion;
     let [factor, amplitude, before] = axis.swing;
+    let [unchanged, since, time] = axis.unchanged;
     check_numbers(&axis.stiffness, "/stiffness")?;
     check_numbers(&axis.means, "/means")?;
     check_numbers(&axis.sums, "/sums")?;
     check_numbers(&axis.swing, "/swing")?;
     check_numbers(&axis.surface_motion, "/surface_motion")?;
+    check_numbers(&axis.unchanged, "/unchanged")?;
     Ok(ContactAxis {
         phase: phase(axis.state, axis.fault)?,
         position: number(axis.position, "/position")?,
@@ -159,6 +161,7 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         },
         motion: SurfaceMotion { mean, slope: seen, velocity },
         swing: Swing { factor, amplitude, before, above: axis.is_above },
+        unchanged: Unchanged { force: unchanged, position: since, time },
     })
 }
 
@@ -199,5 +202,6 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         surface_motion: [axis.motion.mean, axis.motion.slope, axis.motion.velocity],
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
+        unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],
     }
 }

@@ -24,7 +24,7 @@ macro_rules! same_variants {
 }
 
 same_variants!(motion_path: wire::MotionPath => MotionPath { Joint, Straight });
-same_variants!(fault, fault_answer: wire::ContactFault => FaultCause { Pull, StaysInRetreat, ForceLimit });
+same_variants!(fault, fault_answer: wire::ContactFault => FaultCause { Pull, StaysInRetreat, ForceLimit, Stuck });
 same_variants!(axis: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
 same_variants!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority });
 same_variants!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });

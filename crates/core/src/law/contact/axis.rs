@@ -5,6 +5,7 @@ use super::motion::SurfaceMotion;
 use super::settings::ContactSettings;
 use super::swing::Swing;
 use super::timing::ContactTiming;
+use super::unchanged::Unchanged;
 
 /// The state of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,6 +37,8 @@ pub enum FaultCause {
     StaysInRetreat,
     /// The force exceeds its limit.
     ForceLimit,
+    /// The reading does not change although the tool moves: the sensor sticks.
+    Stuck,
 }
 
 /// The memory of one axis, along its pressing direction. For an axis of rotation read N·m for N and rad for m.
@@ -69,6 +72,8 @@ pub struct ContactAxis {
     pub motion: SurfaceMotion,
     /// How the force swings.
     pub swing: Swing,
+    /// Since when the reading is the same.
+    pub unchanged: Unchanged,
 }
 
 impl ContactAxis {
@@ -98,6 +103,7 @@ impl ContactAxis {
         },
         motion: SurfaceMotion { mean: 0.0, slope: 0.0, velocity: 0.0 },
         swing: Swing::NONE,
+        unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0 },
     };
 
     /// Returns whether all numbers are finite and in their ranges.
@@ -117,6 +123,8 @@ impl ContactAxis {
             self.before_retreat,
             self.motion.mean,
             self.motion.velocity,
+            self.unchanged.force,
+            self.unchanged.position,
         ];
         let positive = [
             contact_time,
@@ -132,6 +140,7 @@ impl ContactAxis {
             self.motion.slope,
             self.swing.amplitude,
             self.swing.before,
+            self.unchanged.time,
         ];
         let is_finite = |value: &f64| value.is_finite();
         signed.iter().all(is_finite)

@@ -21,6 +21,7 @@ mod settings;
 mod step;
 mod swing;
 mod timing;
+mod unchanged;
 
 pub use approach::{largest_approach_speed, unavoidable_peak};
 pub use axis::{ContactAxis, ContactPhase, FaultCause};
@@ -33,3 +34,4 @@ pub use settings::ContactSettings;
 pub use step::AxisInput;
 pub use swing::Swing;
 pub use timing::ContactTiming;
+pub use unchanged::Unchanged;

@@ -70,6 +70,11 @@ pub struct AxisInput {
     pub acceleration: f64,
 }
 
+/// Returns how near its target a force counts as near, N; `target`: F_d, N.
+fn near(settings: &ContactSettings, target: f64) -> f64 {
+    (NEAR.0 * target).max(NEAR.1 * settings.threshold())
+}
+
 /// An axis with all that its period needs.
 pub(super) struct Step<'a> {
     pub settings: &'a ContactSettings,
@@ -111,7 +116,7 @@ impl Step<'_> {
         self.axis.position + self.input.to_rest - self.axis.sensed_position
     }
 
-    /// Gives up a contact whose force is too large or of the wrong sign.
+    /// Gives up a contact whose force is too large, of the wrong sign, or stuck.
     fn find_faults(&mut self) {
         let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
         if self.input.last_velocity >= 0.0 {
@@ -124,16 +129,21 @@ impl Step<'_> {
         let stays = axis.phase == ContactPhase::Contact
             && force > settings.threshold()
             && retreat > LONGEST_PUSH * settings.metre;
-        let cause = if force > settings.max_force {
-            Some(FaultCause::ForceLimit)
+        axis.unchanged.add(settings, (force, axis.position), self.timing.period);
+        let is_near = (force - self.input.target).abs() < near(settings, self.input.target);
+        let sticks = axis.phase == ContactPhase::Contact && axis.unchanged.is_stuck(settings, axis.position, is_near);
+        let (cause, place) = if force > settings.max_force {
+            (FaultCause::ForceLimit, axis.position)
         } else if force < -(settings.threshold() + PULL * settings.noise) {
-            Some(FaultCause::Pull)
+            (FaultCause::Pull, axis.position)
+        } else if sticks {
+            (FaultCause::Stuck, axis.unchanged.position)
+        } else if stays {
+            (FaultCause::StaysInRetreat, axis.position)
         } else {
-            stays.then_some(FaultCause::StaysInRetreat)
+            return;
         };
-        if let Some(cause) = cause {
-            (axis.phase, axis.fault_position) = (ContactPhase::Fault(cause), axis.position);
-        }
+        (axis.phase, axis.fault_position) = (ContactPhase::Fault(cause), place);
     }
 
     /// Finds a contact or its loss.
@@ -174,8 +184,7 @@ impl Step<'_> {
     fn learn(&mut self) {
         let (terms, axis, force) = ((self.settings, self.timing), &mut *self.axis, self.input.force);
         axis.contact_time += self.timing.period;
-        let is_near =
-            (force - self.input.target).abs() < (NEAR.0 * self.input.target).max(NEAR.1 * self.settings.threshold());
+        let is_near = (force - self.input.target).abs() < near(self.settings, self.input.target);
         axis.hold_time = if is_near {
             (axis.hold_time + self.timing.period).min(HELD)
         } else if axis.hold_time > 0.5 * HELD {
@@ -219,7 +228,8 @@ impl Step<'_> {
                 self.pressing(force.min(modelled), axis.return_speed)
             }
             ContactPhase::Fault(cause) => {
-                let is_pressed = cause != FaultCause::Pull && force.abs() > settings.threshold();
+                let is_believed = !matches!(cause, FaultCause::Pull | FaultCause::Stuck);
+                let is_pressed = is_believed && force.abs() > settings.threshold();
                 let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
                 let end = axis.fault_position - way * settings.metre;
                 let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);

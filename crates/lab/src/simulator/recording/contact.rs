@@ -53,6 +53,8 @@ pub enum ContactEvent {
     StaysInRetreat,
     /// A fault: the force is beyond its limit.
     ForceLimit,
+    /// A fault: the sensor sticks.
+    Stuck,
 }
 
 impl fmt::Display for ContactWord {
@@ -119,6 +121,7 @@ fn event(report: &wire::ContactReport) -> ContactEvent {
         (Some(wire::ContactState::Loss), _) => ContactEvent::Loss,
         (Some(wire::ContactState::Fault), Some(wire::ContactFault::ForceLimit)) => ContactEvent::ForceLimit,
         (Some(wire::ContactState::Fault), Some(wire::ContactFault::StaysInRetreat)) => ContactEvent::StaysInRetreat,
+        (Some(wire::ContactState::Fault), Some(wire::ContactFault::Stuck)) => ContactEvent::Stuck,
         (Some(wire::ContactState::Fault), _) => ContactEvent::Pull,
     }
 }

@@ -155,7 +155,7 @@ pub static QUANTITIES: [Quantity; 37] = quantities! {
     "manipulability" "" Period Number sample.manipulability "product of the singular values of all task rows";
     "channel" "" Channel OptionalNumber sample.channels "command of each channel of the controller in the order of their names, m, rad, N or N·m";
     "contact_state" "" Contact Word sample.contacts.state "state of each axis with the law `contact`: `approach`, `contact`, `loss` or `fault`";
-    "contact_event" "" Contact Word sample.contacts.event "what began in the period: `contact`, `loss`, `approach`, a fault (`pull`, `stays_in_retreat`, `force_limit`), or `none`";
+    "contact_event" "" Contact Word sample.contacts.event "what began in the period: `contact`, `loss`, `approach`, a fault (`pull`, `stays_in_retreat`, `force_limit`, `stuck`), or `none`";
     "contact_force" "" Contact Number sample.contacts.force "measured force along the pressing direction, N or N·m";
     "contact_target" "" Contact Number sample.contacts.target_force "target force along the pressing direction, N or N·m";
     "contact_stiffness" "" Contact OptionalNumber sample.contacts.stiffness "estimated stiffness, N/m or N·m/rad; empty until it is known";
