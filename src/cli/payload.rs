@@ -78,33 +78,64 @@ fn read(path: &Path) -> Result<PayloadRequest, CliError> {
 
 /// Reads a table. Columns that are neither wrench nor gravity are joints.
 fn table(text: &str) -> Result<PayloadRequest, String> {
-    let mut lines = text.lines().map(str::trim).enumerate().filter(|(_, line)| !line.is_empty());
-    let (_, header) = lines.next().ok_or("the file is empty")?;
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    if let Some(name) = WRENCH.iter().find(|name| !names.contains(name)) {
-        return Err(format!("the column `{name}` is missing; the first line names the columns"));
+    let text = text.trim_start_matches('\u{feff}');
+    if text.trim().is_empty() {
+        return Err("the file is empty".to_owned());
     }
-    let given = GRAVITY.iter().filter(|name| names.contains(name)).count();
-    if given != 0 && given != GRAVITY.len() {
-        return Err("give all of gravity_x, gravity_y and gravity_z, or none".to_owned());
-    }
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+    let names: Vec<String> = reader.headers().map_err(|error| error.to_string())?.iter().map(str::to_owned).collect();
+    let has_gravity = check_columns(&names)?;
     let mut readings = Vec::new();
-    for (number, line) in lines {
-        let at = |what: String| format!("line {}: {what}", number + 1);
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-        if cells.len() != names.len() {
-            return Err(at(format!("{} cells for {} columns", cells.len(), names.len())));
-        }
-        let mut row = Vec::with_capacity(cells.len());
-        for (name, cell) in names.iter().zip(cells) {
+    for record in reader.records() {
+        let record = record.map_err(in_words)?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut row = Vec::with_capacity(names.len());
+        for (name, cell) in names.iter().zip(&record) {
             let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
-            row.push((*name, value.ok_or_else(|| at(format!("`{cell}` in `{name}` is not a number")))?));
+            row.push((
+                name.as_str(),
+                value.ok_or_else(|| format!("line {line}: `{cell}` in `{name}` is not a number"))?,
+            ));
         }
-        readings.push(reading(&row, given > 0));
+        readings.push(reading(&row, has_gravity));
     }
     // The other fields have their defaults.
     let empty: PayloadRequest = serde_json::from_str(r#"{"readings": []}"#).map_err(|error| error.to_string())?;
     Ok(PayloadRequest { readings, ..empty })
+}
+
+/// Returns whether the table has gravity, if it has what a reading needs.
+fn check_columns(names: &[String]) -> Result<bool, String> {
+    let has = |name: &&&str| names.iter().any(|column| column == **name);
+    if let Some(name) = WRENCH.iter().find(|name| !has(name)) {
+        return Err(format!(
+            "the column `{name}` is missing; the first line names the columns, separated by commas: {}",
+            names.join(", ")
+        ));
+    }
+    if let Some(name) = names.iter().enumerate().find_map(|(k, name)| names[..k].contains(name).then_some(name)) {
+        return Err(format!("the column `{name}` is there twice"));
+    }
+    let given = GRAVITY.iter().filter(has).count();
+    if given != 0 && given != GRAVITY.len() {
+        return Err("give all of gravity_x, gravity_y and gravity_z, or none".to_owned());
+    }
+    let other = names.iter().find(|name| !WRENCH.contains(&name.as_str()) && !GRAVITY.contains(&name.as_str()));
+    match other.filter(|_| given > 0) {
+        Some(name) => Err(format!("the column `{name}` is too much: gravity is given, so there is no posture")),
+        None => Ok(given > 0),
+    }
+}
+
+/// Says what is wrong with a line of a table.
+fn in_words(error: csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            format!("line {line}: {len} cells for {expected_len} columns")
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// Returns the reading of a row that has all columns of a wrench.

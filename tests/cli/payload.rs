@@ -25,6 +25,10 @@ fn a_request_and_a_table_give_the_same_payload() {
         assert!(found.contains(part), "{part} is not in {found}");
     }
     assert_eq!(success_with_input(&["payload", "-", "--on-tool"], &table()), found);
+    // As spreadsheets write it: a mark of the byte order, names in quotes, empty lines at the end.
+    let quoted = table().replace("force_x", "\"force_x\"").replace('\n', "\r\n");
+    let table = format!("\u{feff}{quoted}\r\n\r\n");
+    assert_eq!(success_with_input(&["payload", "-", "--on-tool"], &table), found);
     let json: serde_json::Value = serde_json::from_str(&success(&["payload", EXAMPLE, "--json"])).unwrap();
     assert_eq!(json["axes_verified"], true);
 }
@@ -41,6 +45,9 @@ fn poor_readings_and_broken_tables_are_refused_with_the_place() {
     refused("", "the file is empty");
     refused("force_x,force_y\n1,2", "`force_z` is missing");
     refused(&format!("{HEADER},gravity_x\n"), "give all of gravity_x");
+    refused(&format!("{HEADER},gravity_x,gravity_y,gravity_z,j1\n"), "`j1` is too much");
+    refused(&format!("{HEADER},force_x\n"), "`force_x` is there twice");
+    refused(&HEADER.replace(',', ";"), "separated by commas");
     refused(&format!("{HEADER}\n1,2,3"), "line 2: 3 cells for 6");
     refused(&format!("{HEADER}\n1,2,3,4,5,six"), "`six` in `torque_z` is not a number");
     refused(&format!("{HEADER}\n1,2,3,4,nan,6"), "`nan` in `torque_y` is not a number");

@@ -31,7 +31,9 @@ pub enum RobotsError {
     #[error("`{0}` belongs to the service; only registered robots can be deleted")]
     Permanent(String),
     /// There is no such robot.
-    #[error("there is no robot `{name}`; known: {known}")]
+    #[error(
+        "there is no robot `{name}`; register it (`--robot FILE`, `POST /v1/robots`), or choose a known one: {known}"
+    )]
     Unknown {
         /// The name.
         name: String,
