@@ -181,6 +181,24 @@ impl JerkLimit {
         (nearest - width, nearest + width)
     }
 
+    /// Returns the part of the interval from `lower` to `upper` around the velocity that the joint has if its acceleration falls to zero,
+    /// up to that of [`Self::approach`] if the joint cannot have the velocity `requested`.
+    pub(super) fn towards(
+        &self,
+        (lower, upper): (f64, f64),
+        (last, acceleration): (f64, f64),
+        requested: f64,
+        last_requested: f64,
+    ) -> (f64, f64) {
+        let (least, greatest) = self.approach((lower, upper), (last, acceleration), requested, last_requested);
+        let nearest = requested.clamp(least, greatest);
+        let change = self.jerk * self.period;
+        let going_on = (last + self.period * (acceleration - acceleration.clamp(-change, change))).clamp(lower, upper);
+        let reach = (going_on - lower).min(upper - going_on);
+        let width = if (nearest - requested).abs() > ROUNDING { (nearest - going_on).abs() } else { reach };
+        ((going_on - width).max(lower), (going_on + width).min(upper))
+    }
+
     /// Narrows the interval from `lower` to `upper`, so that the joint reaches the velocity `requested` without passing it.
     ///
     /// The request is taken to go on as since the last period. But its acceleration counts only between 0 and that of the

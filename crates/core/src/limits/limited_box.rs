@@ -109,21 +109,23 @@ impl LimitedBox {
     /// that cannot have its velocity yet gets the nearest one from which it levels off there. Another joint may move on either
     /// side of its velocity alike, because answers near singularities tend to the middle of the box.
     ///
+    /// With [`Pace::AtMost`], the joint may also approach its velocity more slowly, or go away from it.
+    ///
     /// A joint that accelerates would otherwise pass the velocity that its task wants, by a²/2J, then come back as fast, and
     /// so on. `last_requested`: the requests of the last period, n. The motion has accelerations.
     pub fn approach(
         &mut self,
-        robot: &RobotModel,
+        (robot, period): (&RobotModel, f64),
         motion: JointMotion,
-        requested: &[f64],
-        last_requested: &[f64],
-        period: f64,
+        (requested, last_requested): (&[f64], &[f64]),
+        pace: Pace,
     ) {
         for (i, joint) in robot.joints().iter().enumerate() {
             if let Some(jerk) = JerkLimit::of(&joint.limits, period) {
                 let last = (motion.last_command[i], motion.last_acceleration[i]);
-                self.change_joint(i, BoundCause::LevellingOff, |lower, upper| {
-                    jerk.around((lower, upper), last, requested[i], last_requested[i])
+                self.change_joint(i, BoundCause::LevellingOff, |lower, upper| match pace {
+                    Pace::Fast => jerk.around((lower, upper), last, requested[i], last_requested[i]),
+                    Pace::AtMost => jerk.towards((lower, upper), last, requested[i], last_requested[i]),
                 });
             }
         }
@@ -144,6 +146,15 @@ impl LimitedBox {
 
 /// Contradiction of limits, rad/s, above which a joint is reported as a conflict; less counts as rounding.
 const CONFLICT_TOLERANCE: f64 = 1e-9;
+
+/// How fast joints with a jerk limit approach the velocities that their tasks want.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// As fast as they can.
+    Fast,
+    /// As fast as they can, more slowly, or not at all.
+    AtMost,
+}
 
 /// The allowed velocities of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -80,7 +80,7 @@ pub(crate) use full_braking::full_braking;
 pub use hold::Hold;
 pub use jerk::JerkLimit;
 pub use limit_kind::LimitKind;
-pub use limited_box::{LimitedBox, robot_box};
+pub use limited_box::{LimitedBox, Pace, robot_box};
 pub use revprio_problem::{VelocityBox, VelocityBoxError};
 
 pub use crate::arm_state::JointMotion;

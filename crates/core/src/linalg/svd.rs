@@ -8,9 +8,6 @@ use crate::tolerances::TOLERANCES;
 /// Sweeps over all pairs of rows. About five are needed.
 const MAX_SWEEPS: usize = 60;
 
-/// A number beside whose square 1 is rounding.
-const LARGE: f64 = 1e9;
-
 /// A = U diag(σ) Vᵀ with min(m, n) singular values in descending order; each decomposition overwrites the one before.
 #[derive(Debug, Clone, Default)]
 pub struct Svd {
@@ -159,10 +156,8 @@ fn rotate(x: &mut [f64], y: &mut [f64], columns: usize) -> bool {
         return false;
     }
     let zeta = (b - a) / (2.0 * c);
-    // √(1 + ζ²) is |ζ| to rounding where ζ² could overflow.
-    let length = if zeta.abs() < LARGE { (1.0 + zeta * zeta).sqrt() } else { zeta.abs() };
-    let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + length);
-    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+    let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + zeta.hypot(1.0));
+    let cosine = 1.0 / tangent.hypot(1.0);
     let sine = cosine * tangent;
     for (x, y) in x.iter_mut().zip(y) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);

@@ -18,6 +18,7 @@ mod free_space;
 mod gaze;
 mod hold;
 mod jerk;
+mod jerk_priority;
 mod late_states;
 mod laws;
 mod lengths;
