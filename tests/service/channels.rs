@@ -102,6 +102,29 @@ fn wrong_channels_are_refused_with_a_pointer() {
 }
 
 #[test]
+fn a_target_outside_the_range_of_a_channel_has_a_warning() {
+    let service = Service::start();
+    let warnings = |fields: Value| {
+        let mut state =
+            json!({"sequence": 1, "time_s": 0.1, "joint_position": example("state.json")["joint_position"]});
+        state.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
+        let address = format!("{}/step", service.open(&controller()));
+        service.call(&address, &state)["warnings"].to_string()
+    };
+    let action = |gripper: f64| {
+        let action = |k: u32| json!({"time_s": 0.1 * f64::from(k), "position": [0.5, 0.0, 0.1], "gripper": gripper});
+        json!({"targets": {"hand": {"chunk": [action(1), action(2)]}}})
+    };
+    let outside = "channel `gripper`: the target 1 is outside its range 0 … 0.08";
+    assert_eq!(warnings(action(1.0)).matches(outside).count(), 1, "one for all actions");
+    assert!(warnings(json!({"channels": {"gripper": {"target": 1}}})).contains(outside));
+    assert!(warnings(json!({"channels": {"grip force": {"target": -5}}})).contains("the target -5 is outside"));
+    for inside in [0.0, 0.08, 0.0805] {
+        assert!(!warnings(action(inside)).contains("gripper"), "{inside}");
+    }
+}
+
+#[test]
 fn a_damaged_memory_of_channels_is_refused() {
     let service = Service::start();
     let body =

@@ -102,11 +102,19 @@ fn a_refusal_points_at_the_action() {
     let hand = |chunk: Value| json!({"hand": {"chunk": chunk}});
     let at = |time_s: f64| json!({"time_s": time_s, "position": [0.5, 0.0, 0.1]});
     refusal(hand(json!([])), "/targets/hand/chunk", "needs an action");
-    refusal(hand(json!([at(0.1), at(0.2), at(0.2)])), "/targets/hand/chunk/2/time_s", "no two for the same time");
-    refusal(hand(json!([at(0.2), at(0.1)])), "/targets/hand/chunk/1/time_s", "in the order of their times");
-    refusal(hand(json!([at(0.1), at(11.0)])), "/targets/hand/chunk/1/time_s", "at most 10 s");
+    refusal(hand(json!([at(0.1), at(0.2), at(0.2)])), "/targets/hand/chunk/2/time_s", "and the one before it at 0.2 s");
+    refusal(
+        hand(json!([at(0.2), at(0.1)])),
+        "/targets/hand/chunk/1/time_s",
+        "due at 0.1 s, and the one before it at 0.2 s",
+    );
+    refusal(hand(json!([at(0.1), at(11.0)])), "/targets/hand/chunk/1/time_s", "in seconds, on the clock of the states");
     refusal(hand(json!([at(0.1), {"time_s": 0.2, "force": [1.0]}])), "/targets/hand/chunk/1/force", "task `hand`");
-    refusal(hand(json!([at(0.1), {"time_s": 0.2}])), "/targets/hand/chunk/1", "a target of task `hand` is `pose`");
+    refusal(
+        hand(json!([at(0.1), {"time_s": 0.2}])),
+        "/targets/hand/chunk/1",
+        "an action of task `hand` has `position` and `orientation` as",
+    );
     let orientation = json!({"w": 1.0, "x": 0.0, "y": 0.0, "z": 0.0});
     refusal(
         hand(json!([{"time_s": 0.1, "orientation": orientation}])),
@@ -122,6 +130,8 @@ fn a_refusal_points_at_the_action() {
     let mixed =
         json!([{"time_s": 0.1, "force": [0.0, 1.0]}, {"time_s": 0.2, "force": [0.0, 1.0], "orientation": orientation}]);
     refusal(json!({"touch": {"chunk": mixed}}), "/targets/touch/chunk/1", "chunks of one kind");
+    let fast = json!([{"time_s": 0.1, "velocity": [0.0, 0.0, 0.0]}]);
+    refusal(hand(fast), "/targets/hand/chunk/0/velocity", "an action of task `hand` has `position`");
     let joints = json!([{"time_s": 0.1, "joint_position": [0.0]}]);
     refusal(json!({"elbow": {"chunk": joints}}), "/targets/elbow/chunk/0/joint_position", "1 numbers for 2 rows");
 }
@@ -136,7 +146,29 @@ fn a_late_chunk_is_ignored_with_a_warning() {
     assert!(
         answer["warnings"].to_string().contains("task `hand`: the chunk is ignored, because its last action was due")
     );
+    assert!(answer["warnings"].to_string().contains("past or of another clock"), "{answer}");
     assert!(answer["tasks"][0].get("chunk").is_none());
+}
+
+#[test]
+fn a_chunk_that_was_overtaken_is_ignored_with_a_warning() {
+    let service = Service::start();
+    let address = format!("{}/step", service.open(&controller()));
+    let step = |sequence: u64, from: f64, x: f64| {
+        let mut state = example("state.json");
+        (state["sequence"], state["time_s"]) = (json!(sequence), json!(0.01 * sequence as f64));
+        state["targets"] = json!({"hand": {"chunk": actions(from, 4, |_| json!({"position": [x, 0.0, 0.1]}))}});
+        service.call(&address, &state)["warnings"].to_string()
+    };
+    assert_eq!(step(1, 0.3, 0.5), "null");
+    assert_eq!(step(2, 0.3, 0.5), "null", "the same again");
+    for (sequence, from) in [(3, 0.2), (4, 0.3)] {
+        let warnings = step(sequence, from, 0.51);
+        let expected = format!(
+            "the target or chunk from {from} s on is ignored, because it is not newer than the last one, of 0.3 s"
+        );
+        assert!(warnings.contains(&expected) && warnings.contains("a later first action"), "{warnings}");
+    }
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn late_and_ignored_targets_have_warnings() {
     };
     assert!(warned(0, 600, "task `hand` holds its last target") && warned(0, 600, "task `hand` brakes to rest"));
     assert!(!warned(0, 200, "task `hand` brakes to rest"));
-    assert!(warned(551, 600, "is ignored, because the newest one is of"));
+    assert!(warned(551, 600, "is ignored, because it is not newer than the last one, of"));
     let age = answers[300]["tasks"][0]["target_age_s"].as_f64().unwrap();
     assert!(age > 0.1 && age < 0.13, "{age} s");
 }

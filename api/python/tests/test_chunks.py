@@ -1,6 +1,7 @@
 """Chunks of actions from arrays, in the process and over HTTP."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,6 +85,25 @@ def test_a_gripper_closes_with_the_actions_within_its_rate() -> None:
 
 
 def test_wrong_shapes_are_refused_with_a_pointer() -> None:
-    with pytest.raises(revprio.InvalidError) as refused:
-        revprio.chunk([0.0, 0.1], position=[[0, 0, 0]])
-    assert refused.value.problem.pointer == "/position"
+    position = [[0.3, 0.0, 0.5], [0.31, 0.0, 0.5]]
+    wrong: list[tuple[Any, Any, str, str]] = [
+        ([0.0, 0.1], [[0, 0, 0]], "/position", "give 2 rows"),
+        ([0.0, 0.1], [0.3, 0.0, 0.5], "/position", "shape (3,)"),
+        ([0.0, 0.1], [position], "/position", "shape (1, 2, 3)"),
+        ([0.0, 0.1], [[1, 2], [1, 2, 3]], "/position", "rows of equal length"),
+        ([0.0, 0.1], {"x": 1}, "/position", "real numbers"),
+        ([0.0, 0.1], np.array(position) * 1j, "/position", "real numbers"),
+        (["now", "later"], position, "/time_s", "real numbers"),
+        ([[0.0, 0.1]], position, "/time_s", "one time per action"),
+    ]
+    for times, values, pointer, part in wrong:
+        with pytest.raises(revprio.InvalidError) as refused:
+            revprio.chunk(times, position=values)
+        assert refused.value.problem.pointer == pointer
+        assert part in refused.value.problem.detail
+
+
+def test_velocities_make_a_chunk() -> None:
+    made = revprio.chunk([0.0, 0.1], velocity=[[0.1, 0.0, 0.0], [0.2, 0.0, 0.0]])
+    assert made.chunk is not None
+    assert np.array_equal(np.array([action.velocity for action in made.chunk]), [[0.1, 0.0, 0.0], [0.2, 0.0, 0.0]])

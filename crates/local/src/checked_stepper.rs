@@ -73,6 +73,7 @@ impl CheckedStepper {
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);
         warnings::warn_about_weights(&mut warnings, &controller, command);
+        warnings::warn_about_channels(&mut warnings, &controller, measurement);
         request_warnings::of_targets(&mut warnings, &controller, measurement);
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);

@@ -98,7 +98,7 @@ impl Hold {
             let overshoots = |motion: JointMotion, velocity: f64, needed: f64, tolerance: f64| {
                 velocity != 0.0 && needed > distance(motion, velocity) + tolerance
             };
-            // The margin of an envelope covers its offset, up to which a measured velocity at rest may be noise.
+            // The offset of an envelope counts for the command alone, because a measured velocity at rest is noise.
             let [to_stop, stopping] = [stop_distance(limits, command), braking_distance(limits, measured)];
             if overshoots(motion, command, to_stop, NOISE_TOLERANCE)
                 || overshoots(at_once, measured, stopping, SPEED_NOISE_TOLERANCE)

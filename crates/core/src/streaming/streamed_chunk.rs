@@ -78,17 +78,21 @@ pub enum ChunkError {
     },
     /// The actions are not in the order of time.
     #[error(
-        "the action is due {after_s} s after the one before it; give at least 1 µs: actions in the order of their times, and no two for the \
-         same time"
+        "the action is due at {time_s} s, and the one before it at {before_s} s; give the actions in the order of their times, each at \
+         least 1 µs after the one before"
     )]
     Order {
         /// Index of the action.
         index: usize,
-        /// Its time minus that of the action before it, s.
-        after_s: f64,
+        /// Its time, s.
+        time_s: f64,
+        /// Time of the action before it, s.
+        before_s: f64,
     },
     /// The action is too far ahead.
-    #[error("the action is {ahead_s} s ahead of the state; give at most {MAX_HORIZON} s, on the clock of the states")]
+    #[error(
+        "the action is {ahead_s:.3} s ahead of the state; give at most {MAX_HORIZON} s. Its `time_s` is in seconds, on the clock of the states"
+    )]
     Ahead {
         /// Index of the action.
         index: usize,
@@ -158,7 +162,7 @@ impl StreamedChunk {
                 return Err(ChunkError::NotFinite { index });
             }
             if time_s - before_s < MIN_INTERVAL {
-                return Err(ChunkError::Order { index, after_s: time_s - before_s });
+                return Err(ChunkError::Order { index, time_s: *time_s, before_s });
             }
             if time_s - now_s > MAX_HORIZON + MIN_INTERVAL {
                 return Err(ChunkError::Ahead { index, ahead_s: time_s - now_s });

@@ -131,7 +131,10 @@ fn chunks_that_do_not_fit_are_refused_and_change_nothing() {
         (with(0, Action { time_s: 0.0, value: StreamedValue::Force(vec![1.0]) }), ChunkError::Quantity { index: 0 }),
         (StreamedChunk { task: 1, ..good.clone() }, ChunkError::Quantity { index: 0 }),
         (with(3, Action { time_s: 0.3, value: StreamedValue::Force(vec![1.0]) }), ChunkError::Mixed { index: 3 }),
-        (with(2, Action { time_s: 0.1, value: value.clone() }), ChunkError::Order { index: 2, after_s: 0.0 }),
+        (
+            with(2, Action { time_s: 0.1, value: value.clone() }),
+            ChunkError::Order { index: 2, time_s: 0.1, before_s: 0.1 },
+        ),
         (with(2, Action { time_s: f64::NAN, value: value.clone() }), ChunkError::NotFinite { index: 2 }),
         (with(4, Action { time_s: 0.4, value: nan }), ChunkError::NotFinite { index: 4 }),
         (with(4, Action { time_s: 10.5, value }), ChunkError::Ahead { index: 4, ahead_s: 10.5 - PERIOD }),

@@ -8,7 +8,7 @@ use revprio_robot::RobotModel;
 use super::channels;
 use super::checks::{Inside, Result, check, each};
 use super::numbers::time;
-use super::target_values::{accepted, joint_positions, misfit, place, read_pose, rows};
+use super::target_values::{action_misfit, joint_positions, place, read_pose, rows};
 use crate::error::ApiError;
 
 /// Reads the chunk of a task: one for each quantity of its actions.
@@ -69,9 +69,14 @@ fn read_action(given: &wire::ChunkAction, task: &TaskConfig, robot: &RobotModel)
         values.push(StreamedValue::Force(rows(force, task, "/force")?));
     }
     if values.is_empty() {
-        return Err(ApiError::invalid("", misfit(task)));
+        return Err(ApiError::invalid("", action_misfit(task)));
     }
     Ok(values.into_iter().map(|value| Action { time_s, value }).collect())
+}
+
+/// Refuses an action of a quantity that the task does not follow.
+fn accepted(task: &TaskConfig, quantity: Quantity, pointer: &str) -> Result<()> {
+    if task.accepts(quantity) { Ok(()) } else { Err(ApiError::invalid(pointer, action_misfit(task))) }
 }
 
 /// Checks the times of chunks.

@@ -10,32 +10,43 @@ use revprio_robot::kinematics::pose as pose_of;
 
 use super::checks::{Refused, Result, check};
 use super::numbers::{by_name, check_numbers, numbers};
-use crate::error::{ApiError, escape_pointer};
+use crate::error::escape_pointer;
 
 /// Returns the JSON pointer of the target of a task.
 pub fn place(task: &str) -> String {
     format!("/targets/{}", escape_pointer(task))
 }
 
-/// Refuses a quantity that a task does not follow.
-pub fn accepted(task: &TaskConfig, quantity: Quantity, pointer: &str) -> Result<()> {
-    if task.accepts(quantity) { Ok(()) } else { Err(ApiError::invalid(pointer, misfit(task))) }
-}
-
 /// Explains which targets a task accepts.
 pub fn misfit(task: &TaskConfig) -> String {
-    let name = &task.name;
     let accepted = |quantity: &Quantity| match quantity {
         Quantity::Pose => "`pose`, if known with its `velocity`",
         Quantity::JointPosition => "`joint_position`, if known with its `velocity`",
         Quantity::Velocity => "`velocity`",
         Quantity::Force => "`force`",
     };
+    follows(task, ("a target", "is"), accepted)
+}
+
+/// Explains which fields the actions of a chunk have.
+pub fn action_misfit(task: &TaskConfig) -> String {
+    let accepted = |quantity: &Quantity| match quantity {
+        Quantity::Pose => "`position` and `orientation` as its axes need, or both as `pose`",
+        Quantity::JointPosition => "`joint_position`",
+        Quantity::Velocity => "`velocity`",
+        Quantity::Force => "`force`",
+    };
+    follows(task, ("an action", "has"), accepted)
+}
+
+/// Explains what targets or actions of a task have.
+fn follows(task: &TaskConfig, (what, verb): (&str, &str), accepted: impl Fn(&Quantity) -> &'static str) -> String {
+    let name = &task.name;
     match task.quantities().iter().map(accepted).collect::<Vec<_>>().as_slice() {
         [] => format!(
             "task `{name}` follows no target, because it has bounds, the target `mid_range` or the law `look_at`"
         ),
-        accepted => format!("a target of task `{name}` is {}", accepted.join(", or ")),
+        accepted => format!("{what} of task `{name}` {verb} {}", accepted.join(", or ")),
     }
 }
 

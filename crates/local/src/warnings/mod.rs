@@ -1,5 +1,6 @@
 //! Warnings about new controllers and about streamed targets: sentences that say what to change.
 
+mod channels;
 mod contact;
 mod free_space;
 mod targets;
@@ -13,6 +14,7 @@ use revprio_robot::Joint;
 use super::error::ApiError;
 use super::request_warnings;
 
+pub use channels::warn as warn_about_channels;
 pub use targets::warn as warn_about_targets;
 pub use weights::warn as warn_about_weights;
 

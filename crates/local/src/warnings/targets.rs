@@ -16,8 +16,8 @@ fn unused(task: &str, ignored: Ignored) -> Option<String> {
     match ignored {
         Ignored::Repeated => None,
         Ignored::Older { time_s, newest_s } => Some(format!(
-            "task `{task}`: the target at {time_s} s is ignored, because the newest one is of {newest_s} s; send targets in \
-             the order of their times"
+            "task `{task}`: the target or chunk from {time_s} s on is ignored, because it is not newer than the last one, of {newest_s} s; \
+             send targets in the order of their times, and a new chunk with a later first action"
         )),
         Ignored::Late { last_s } => Some(format!(
             "task `{task}`: the chunk is ignored, because its last action was due at {last_s} s; send more actions, or align the \
@@ -33,7 +33,7 @@ fn unused(task: &str, ignored: Ignored) -> Option<String> {
 fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
     let name = &task.name;
     let age = report.age_s.map_or_else(
-        || "its targets are of another clock".to_owned(),
+        || "its targets are past or of another clock".to_owned(),
         |age| format!("its newest target is {age:.3} s old"),
     );
     match report.state {
