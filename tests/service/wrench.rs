@@ -139,6 +139,55 @@ fn a_tare_of_a_moving_arm_or_a_noisy_wrench_is_refused_and_changes_nothing() {
     service.post("/v1/controllers/none/tare", &json!({"readings": good}).to_string()).assert_refused(404, None);
 }
 
+/// A law that presses would lose its force into the bias, and press harder after each tare.
+#[test]
+fn a_tare_that_contradicts_the_session_is_refused_or_warned_of() {
+    let (service, mut random) = (Service::start(), Random(77_232_917));
+    let mut pressing = controller(&json!({}));
+    pressing["tasks"] = json!([{"name": "press", "axes": ["z"],
+        "law": {"kind": "contact", "target_force": {"kind": "constant", "value": -15.0}}}]);
+    pressing["wrench_frame"] = json!("base");
+    let session = service.open(&pressing);
+    for sequence in 1..200 {
+        let wrench = json!({"force": [0.0, 0.0, 15.0 + 0.1 * random.next()], "torque": [0.0, 0.0, 0.0]});
+        service.call(&format!("{session}/step"), &state(sequence, &START, &wrench));
+    }
+    let good = readings(&service, &START, 30, &mut random);
+    let answer = service.post(&format!("{session}/tare"), &json!({"readings": good}).to_string());
+    answer.assert_refused(422, Some("/readings"));
+    assert!(answer.text.contains("would count as bias"), "{}", answer.text);
+
+    let mut bounded = controller(&json!({}));
+    bounded["state_checks"] = json!({"max_force_n": 100.0});
+    let session = service.open(&bounded);
+    let mut wild = good.clone();
+    wild[3]["wrench"]["force"][1] = json!(4000.0);
+    let answer = service.post(&format!("{session}/tare"), &json!({"readings": wild}).to_string());
+    answer.assert_refused(422, Some("/readings/3/wrench/force"));
+    // Thirty copies of one reading, of a posture in which the arm was not.
+    let wrench = json!({"force": [0.0, 0.0, 0.0], "torque": [0.0, 0.0, 0.0]});
+    service.call(&format!("{session}/step"), &state(1, &START, &wrench));
+    let mut copy = good[0].clone();
+    copy["joint_position"][1] = json!(START[1] + 0.5);
+    let found = service.call(&format!("{session}/tare"), &json!({"readings": vec![copy; 30]}));
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("all readings are the same") && warnings.contains("away from the last state"), "{found}");
+}
+
+#[test]
+fn a_deadband_or_a_noise_that_hides_the_force_is_told() {
+    let service = Service::start();
+    let mut blind = controller(&json!({"deadband_n": 20.0}));
+    blind["tasks"] = json!([{"name": "push", "axes": ["z"],
+        "law": {"kind": "force", "inertia": 15, "damping": 300, "target_force": {"kind": "constant", "value": -15.0}}}]);
+    let warnings = service.call("/v1/controllers", &blind)["warnings"].to_string();
+    assert!(warnings.contains("hides most of the target of 15 N"), "{warnings}");
+    let law = json!({"kind": "contact", "noise": 20.0, "target_force": {"kind": "constant", "value": -15.0}});
+    blind["tasks"][0]["law"] = law;
+    let answer = service.post("/v1/controllers", &blind.to_string());
+    answer.assert_refused(422, Some("/tasks/0/law/noise"));
+}
+
 #[test]
 fn the_payload_of_six_postures_makes_the_wrench_right_in_every_posture() {
     let (service, mut random) = (Service::start(), Random(521_288_629));

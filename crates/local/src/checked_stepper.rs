@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::clock::Instant;
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Memory, Stepper};
+use revprio_core::law::ContactAxis;
 use revprio_core::linalg::Vector;
 
 use super::convert;
@@ -110,6 +111,10 @@ impl PreparedController {
     }
 }
 
+/// Why a session whose law presses is not tared.
+const TARE_IN_CONTACT: &str = "the law `contact` of this controller holds its target force, so that would count as bias; move the tool away \
+    from what it touches first";
+
 /// A controller from state to state: the memory of its last step, and the state to compare the next one with.
 pub struct ControlLoop {
     stepper: CheckedStepper,
@@ -150,7 +155,16 @@ impl ControlLoop {
         controller: &wire::Controller,
     ) -> Result<(wire::TareAnswer, wire::Controller), ApiError> {
         let config = self.controller().config();
-        let (answer, tared, sensors) = convert::tared(request, controller, config)?;
+        if self.memory.as_ref().is_some_and(|memory| memory.contacts.iter().any(ContactAxis::is_held)) {
+            return Err(ApiError::invalid("/readings", TARE_IN_CONTACT));
+        }
+        for (number, reading) in request.readings.iter().enumerate() {
+            self.stepper.rules.check_wrench(&reading.wrench, &format!("/readings/{number}/wrench"))?;
+        }
+        let (mut answer, tared, sensors) = convert::tared(request, controller, config)?;
+        let motion = self.memory.as_ref().map(|memory| memory.last_command.as_slice());
+        let last = self.last_state.as_ref().map(|last| last.joint_position.as_slice());
+        warnings::warn_about_tare(&mut answer.warnings, (request, config), (last, motion));
         let with_bias = ControllerConfig { wrench_sensors: sensors, ..config.clone() };
         let with_bias = Controller::new(with_bias).map_err(|error| ApiError::invalid("/readings", error))?;
         self.stepper = CheckedStepper::new(&tared, with_bias)?;

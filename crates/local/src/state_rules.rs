@@ -72,6 +72,12 @@ impl StateRules {
         Ok(())
     }
 
+    /// Refuses a reading beyond the range of its sensor; `field`: its place in the body.
+    pub fn check_wrench(&self, wrench: &wire::Wrench, field: &str) -> Result<(), ApiError> {
+        check_wrench(&wrench.force, self.checks.max_force_n, &format!("{field}/force"), "N", "max_force_n")?;
+        check_wrench(&wrench.torque, self.checks.max_torque_nm, &format!("{field}/torque"), "N·m", "max_torque_nm")
+    }
+
     /// Adds warnings about a state and its command.
     pub fn warn(&self, warnings: &mut Vec<String>, state: &Measurement, controller: &Controller, command: &Command) {
         let reported =

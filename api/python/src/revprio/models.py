@@ -533,7 +533,7 @@ class ChunkStatus(Answer):
 ContactState = Literal["approach", "contact", "loss", "fault"]
 """The state of a contact."""
 
-ContactFault = Literal["pull", "stays_in_retreat", "force_limit"]
+ContactFault = Literal["pull", "stays_in_retreat", "force_limit", "stuck"]
 """Why a contact is given up."""
 
 
@@ -1857,6 +1857,8 @@ class ContactMemory(Body):
     - swing: Factor of the upper bound, and the largest difference from the target force since the force last
       crossed it and before. Shape: 3.
     - fault: Why the contact is given up; only in the state `fault`.
+    - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
+      default zeros.
     """
 
     before_retreat: float
@@ -1896,6 +1898,9 @@ class ContactMemory(Body):
     before. Shape: 3."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    unchanged: Vector | None = None
+    """The reading that does not change, the position where it was read first, and the time since then, s; default
+    zeros."""
 
 
 class VelocityLaw(Tagged):

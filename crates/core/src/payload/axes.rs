@@ -54,8 +54,9 @@ impl fmt::Display for AxisAssignment {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         if *self == Self::WRONG_SIGN {
             return f.write_str(
-                "the readings are those of a sensor with the other sign: the tool would have a negative weight; use the other \
-                 `wrench_convention`",
+                "the readings are those of a sensor with the other sign, or of an arm under the opposite gravity: the tool would have a negative \
+                 weight. Check `gravity` first: that of the arm's base points down (an arm that hangs from the ceiling has +9.81 along z), \
+                 and an accelerometer measures its opposite. If it is right, use the other `wrench_convention`",
             );
         }
         f.write_str("the readings are those of other axes: ")?;

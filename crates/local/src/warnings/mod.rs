@@ -2,7 +2,9 @@
 
 mod channels;
 mod contact;
+mod deadband;
 mod free_space;
+mod tare;
 mod targets;
 mod weights;
 
@@ -15,6 +17,7 @@ use super::error::ApiError;
 use super::request_warnings;
 
 pub use channels::warn as warn_about_channels;
+pub use tare::warn as warn_about_tare;
 pub use targets::warn as warn_about_targets;
 pub use weights::warn as warn_about_weights;
 
@@ -25,6 +28,7 @@ const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 /// steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
 pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
     let mut warnings = contact::warnings(request)?;
+    warnings.extend(deadband::warnings(request));
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));

@@ -7,6 +7,9 @@ use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
 
+/// Time near the target to which the clock of a held contact counts, s. The contact is held above the half of it.
+pub(super) const HELD: f64 = 0.3;
+
 /// The state of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactPhase {
@@ -105,6 +108,11 @@ impl ContactAxis {
         swing: Swing::NONE,
         unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0 },
     };
+
+    /// Returns whether the tool presses, and the force has been near its target for some time.
+    pub fn is_held(&self) -> bool {
+        self.phase == ContactPhase::Contact && self.hold_time > 0.5 * HELD
+    }
 
     /// Returns whether all numbers are finite and in their ranges.
     pub(crate) fn is_valid(&self) -> bool {

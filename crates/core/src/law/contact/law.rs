@@ -111,13 +111,14 @@ fn check(row: usize, settings: &ContactSettings) -> Result<(), ContactLawError> 
     let ContactSettings { stiffest, noise, bias, max_force, .. } = *settings;
     let ContactSettings { sensor_lag, retreat_speed, max_acceleration, .. } = *settings;
     let speed = settings.approach_speed.unwrap_or(1.0);
-    let (positive, not_negative) = ("positive", "zero or positive");
+    let positive = "positive";
+    let [most_noise, most_bias] = if settings.is_angular() { [1.0, 10.0] } else { [10.0, 100.0] };
     let finite = |value: f64| value.is_finite() && value > 0.0;
     let checks = [
         ("approach_speed", speed, finite(speed), positive),
-        ("noise", noise, finite(noise), positive),
-        ("bias", bias, bias.is_finite() && bias >= 0.0, not_negative),
-        ("sensor_lag_s", sensor_lag, sensor_lag.is_finite() && sensor_lag >= 0.0, not_negative),
+        ("noise", noise, finite(noise) && noise <= most_noise, "positive, and at most 10 N or 1 N·m"),
+        ("bias", bias, (0.0..=most_bias).contains(&bias), "from 0 to 100 N or 10 N·m"),
+        ("sensor_lag_s", sensor_lag, sensor_lag.is_finite() && sensor_lag >= 0.0, "zero or positive"),
         ("stiffest", stiffest, stiffest.is_finite() && stiffest >= settings.softest, "at least 300 N/m or 3 N·m/rad"),
         ("max_force", max_force, max_force > settings.threshold(), "larger than 5 times `noise` plus `bias`"),
         ("retreat_speed", retreat_speed, finite(retreat_speed), positive),

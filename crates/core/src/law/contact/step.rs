@@ -1,7 +1,7 @@
 //! One period of one axis: the states and the velocity of the contact law.
 
 use super::approach::{largest_approach_speed, unavoidable_peak};
-use super::axis::{ContactAxis, ContactPhase, FaultCause};
+use super::axis::{ContactAxis, ContactPhase, FaultCause, HELD};
 use super::estimate::StiffnessEstimate;
 use super::motion::SurfaceMotion;
 use super::report::ContactReport;
@@ -17,9 +17,6 @@ const STOP_SHARE: f64 = 0.8;
 
 /// Periods of suspicion that are a contact, if the reaction time is shorter.
 const SUSPICIONS: f64 = 2.0;
-
-/// Time near the target to which the clock of a held contact counts, s. The contact is held above the half of it.
-const HELD: f64 = 0.3;
 
 /// Rate at which that clock runs back while the force is away.
 const AWAY: f64 = 0.5;
