@@ -26,7 +26,7 @@ fn a_request_and_a_table_give_the_same_payload() {
     }
     assert_eq!(success_with_input(&["payload", "-", "--on-tool"], &table()), found);
     // As spreadsheets write it: a mark of the byte order, names in quotes, empty lines at the end.
-    let quoted = table().replace("force_x", "\"force_x\"").replace('\n', "\r\n");
+    let quoted = table().replace(", ", ",").replace("force_x", "\"force_x\"").replace('\n', "\r\n");
     let table = format!("\u{feff}{quoted}\r\n\r\n");
     assert_eq!(success_with_input(&["payload", "-", "--on-tool"], &table), found);
     let json: serde_json::Value = serde_json::from_str(&success(&["payload", EXAMPLE, "--json"])).unwrap();

@@ -30,17 +30,22 @@ fn into_the_limits(robot: &RobotModel, limits: &str, upper: bool) -> Scenario {
     serde_json::from_value(scenario).unwrap()
 }
 
-/// Returns the largest distance of a joint outside its range over a run, rad, and the number of unanswered periods.
-fn furthest(robot: &RobotModel, client: &Client, scenario: &Scenario) -> (f64, usize) {
+/// Returns the largest distances of a joint outside the range in which it may rest, and outside its range, over a run, rad, and the number
+/// of unanswered periods.
+fn furthest(robot: &RobotModel, client: &Client, scenario: &Scenario) -> ([f64; 2], usize) {
     let recording = run(scenario, client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
-    let outside = |q: &[f64]| {
-        let joints = robot.joints().iter().zip(q);
-        joints.map(|(joint, q)| (q - joint.limits.upper).max(joint.limits.lower - q)).fold(f64::MIN, f64::max)
+    let outside = |range: fn(&JointLimits) -> [f64; 2]| {
+        let postures = recording.samples.iter().flat_map(|sample| robot.joints().iter().zip(&sample.joint_position));
+        let distances = postures.map(|(joint, q)| {
+            let [lower, upper] = range(&joint.limits);
+            (q - upper).max(lower - q)
+        });
+        distances.fold(f64::MIN, f64::max)
     };
     let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
     let last = recording.samples.last().unwrap();
     assert!(unanswered == 0 || last.joint_velocity.iter().all(|v| *v == 0.0), "the arm is not at rest");
-    (recording.samples.iter().map(|sample| outside(&sample.joint_position)).fold(f64::MIN, f64::max), unanswered)
+    ([outside(JointLimits::resting_range), outside(|limits| [limits.lower, limits.upper])], unanswered)
 }
 
 #[test]
@@ -51,13 +56,13 @@ fn a_service_killed_at_any_20th_period_leaves_every_joint_of_every_robot_inside_
         for limits in ["position_velocity", "position_velocity_acceleration"] {
             for upper in [false, true] {
                 let whole = into_the_limits(robot, limits, upper);
-                let (reached, _) = furthest(robot, &client, &whole);
+                let ([reached, _], _) = furthest(robot, &client, &whole);
                 assert!((-1e-3..=1e-6).contains(&reached), "{} {limits}: {reached}", robot.name());
                 for kill in (20..PERIODS).step_by(20) {
                     let start_s = (f64::from(kill) - 0.5) * PERIOD;
                     let mut killed = Scenario { duration_s: start_s + AFTER, ..whole.clone() };
                     killed.faults.outages = vec![Outage { start_s, duration_s: 10.0 }];
-                    let (outside, unanswered) = furthest(robot, &client, &killed);
+                    let ([_, outside], unanswered) = furthest(robot, &client, &killed);
                     assert!(unanswered >= 50, "{unanswered}");
                     assert!(outside <= 1e-6, "{} {limits}, killed at period {kill}: {outside} rad", robot.name());
                 }

@@ -23,7 +23,7 @@ const MAX_CONDITION: f64 = 8.0;
 const SIGMAS: f64 = 5.0;
 
 /// Allowed magnitudes of gravity, m/s²: the Moon has 1.6.
-const GRAVITY_RANGE: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+const GRAVITY_RANGE: std::ops::RangeInclusive<f64> = 1.5..=30.0;
 
 /// Relative difference of the magnitudes of gravity in two readings. It covers rounded directions.
 const GRAVITY_TOLERANCE: f64 = 2e-3;
@@ -66,7 +66,9 @@ pub enum PayloadError {
     #[error("the noise must be a positive number, of the force in N and of the torque in N·m")]
     Noise,
     /// A number is not finite, or gravity is none or differs between readings.
-    #[error("the numbers must be finite, and gravity an acceleration of 0.1 to 100 m/s², the same in all readings")]
+    #[error(
+        "the numbers must be finite, and gravity an acceleration of 1.5 to 30 m/s², not in g, the same in all readings"
+    )]
     NotFinite {
         /// Index of the reading, from 0.
         reading: usize,
@@ -94,6 +96,17 @@ pub enum PayloadError {
         /// The residual, N.
         residual: f64,
         /// The noise, N.
+        noise: f64,
+    },
+    /// The torques are not those of the weight.
+    #[error(
+        "the torques differ from those of a weight by {residual:.3} N·m rms, at a noise of {noise:.3} N·m: they have another unit, axes or \
+         sign than the forces, a channel is dead, or something touches the tool"
+    )]
+    TorqueResidual {
+        /// The residual, N·m.
+        residual: f64,
+        /// The noise, N·m.
         noise: f64,
     },
 }
@@ -125,8 +138,11 @@ pub fn identify(readings: &[PayloadReading], noise: [f64; 2]) -> Result<Payload,
     let force_residual = residual(&|r| r.force - force_bias - mass * r.gravity);
     let torque_residual = residual(&|r| r.torque - torque_bias - moment.cross(&r.gravity));
     // Also a residual that overflows.
-    if !(force_residual <= MAX_RESIDUAL * noise[0] && torque_residual.is_finite()) {
+    if !(force_residual <= MAX_RESIDUAL * noise[0]) {
         return Err(PayloadError::Residual { residual: force_residual, noise: noise[0] });
+    }
+    if !(torque_residual <= MAX_RESIDUAL * noise[1]) {
+        return Err(PayloadError::TorqueResidual { residual: torque_residual, noise: noise[1] });
     }
     let has_mass = mass > SIGMAS * mass_uncertainty;
     Ok(Payload {

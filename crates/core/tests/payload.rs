@@ -235,7 +235,17 @@ fn numbers_that_are_none_are_refused() {
         changed(&|reading| reading.force.x = 1e300),
         Err(PayloadError::Residual { .. } | PayloadError::Axes(_))
     ));
-    assert!(matches!(changed(&|reading| reading.torque.x = 1e300), Err(PayloadError::Residual { .. })));
+    assert!(matches!(changed(&|reading| reading.torque.x = 1e300), Err(PayloadError::TorqueResidual { .. })));
+    let all = |change: &dyn Fn(&mut PayloadReading)| {
+        let mut readings = good.clone();
+        readings.iter_mut().for_each(change);
+        identify(&readings, NOISE)
+    };
+    // N·mm, exchanged axes, a dead channel, gravity in g.
+    assert!(matches!(all(&|reading| reading.torque *= 1e3), Err(PayloadError::TorqueResidual { .. })));
+    assert!(matches!(all(&|reading| reading.torque.swap_rows(0, 1)), Err(PayloadError::TorqueResidual { .. })));
+    assert!(matches!(all(&|reading| reading.torque.x = 0.0), Err(PayloadError::TorqueResidual { .. })));
+    assert_eq!(all(&|reading| reading.gravity /= 9.81), Err(PayloadError::NotFinite { reading: 0 }));
     for noise in [[0.0, 0.02], [0.2, -1.0], [f64::NAN, 0.02], [0.2, f64::INFINITY]] {
         assert_eq!(identify(&good, noise), Err(PayloadError::Noise));
     }

@@ -87,9 +87,11 @@ fn refused(error: &PayloadError) -> ApiError {
     let pointer = match error {
         PayloadError::Noise => "/force_noise_n".to_owned(),
         PayloadError::NotFinite { reading } => format!("/readings/{reading}"),
-        PayloadError::Few(_) | PayloadError::Similar { .. } | PayloadError::Axes(_) | PayloadError::Residual { .. } => {
-            "/readings".to_owned()
-        }
+        PayloadError::Few(_)
+        | PayloadError::Similar { .. }
+        | PayloadError::Axes(_)
+        | PayloadError::Residual { .. }
+        | PayloadError::TorqueResidual { .. } => "/readings".to_owned(),
     };
     ApiError::invalid(pointer, error)
 }

@@ -141,7 +141,7 @@ pub static QUANTITIES: [Quantity; 37] = quantities! {
     "force" "n" Axis Number sample.force "force F_e of the tool on the environment, base axes";
     "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled";
     "wall_distance" "m" Period OptionalNumber sample.wall_distance "distance to the nearest wall, negative in contact; empty without a wall";
-    "least_distance" "m" Period OptionalNumber watched.least_distance "least distance of the pairs of shapes that the controller watches; empty without a pair";
+    "least_distance" "m" Period OptionalNumber watched.least_distance "least distance of the pairs of shapes that the controller watches, at the sensed posture and of the last answer; empty without a pair";
     "path" "" Period Word sample.path "solution path of the command: `closed_form`, `active_set`, `qp`, …";
     "status" "" Period Word sample.status "status of the command: `optimal`, or the reason why it is not";
     "kkt_residual" "" Period OptionalNumber sample.kkt_residual "residual of the optimality conditions";
