@@ -87,7 +87,7 @@ fn table(text: &str) -> Result<PayloadRequest, String> {
     let has_gravity = check_columns(&names)?;
     let mut readings = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(in_words)?;
+        let record = record.map_err(|error| in_words(&error))?;
         let line = record.position().map_or(0, csv::Position::line);
         let mut row = Vec::with_capacity(names.len());
         for (name, cell) in names.iter().zip(&record) {
@@ -128,7 +128,7 @@ fn check_columns(names: &[String]) -> Result<bool, String> {
 }
 
 /// Says what is wrong with a line of a table.
-fn in_words(error: csv::Error) -> String {
+fn in_words(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = pos.as_ref().map_or(0, csv::Position::line);

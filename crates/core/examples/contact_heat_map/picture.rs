@@ -93,9 +93,7 @@ fn panel(map: &Map, [left, top]: [f64; 2], show: &impl Fn(&Cell) -> (&'static st
         svg += &text([left - 4.0, y + 14.0], "end", "#333", &format!("{} cm/s", 100.0 * speed));
         for (i, cell) in cells.iter().enumerate() {
             let (x, (fill, label)) = (left + i as f64 * width, show(cell));
-            svg += &format!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\" stroke=\"#fff\"/>\n"
-            );
+            svg += &rectangle([x, y], fill);
             let is_dark = ["#2166ac", "#d6604d", "#b2182b", NEVER].contains(&fill);
             svg += &text([x + 0.5 * width, y + 14.0], "middle", if is_dark { "#fff" } else { "#222" }, &label);
         }
@@ -106,6 +104,11 @@ fn panel(map: &Map, [left, top]: [f64; 2], show: &impl Fn(&Cell) -> (&'static st
     }
     svg += &text([left + STIFFNESSES.len() as f64 * width + 2.0, below], "start", "#333", "N/m");
     svg
+}
+
+fn rectangle([x, y]: [f64; 2], fill: &str) -> String {
+    let [width, height] = CELL;
+    format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\" stroke=\"#fff\"/>\n")
 }
 
 fn text([x, y]: [f64; 2], anchor: &str, fill: &str, text: &str) -> String {
