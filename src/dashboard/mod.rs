@@ -53,6 +53,7 @@ const FILES: &[(&str, &str)] = &files![
     "mesh.js",
     "mesh_parts.js",
     "models.js",
+    "models_at_zero.js",
     "notices.js",
     "number.js",
     "numbers.js",
