@@ -4,6 +4,7 @@ import * as editing from './editing.js';
 import { element } from './notices.js';
 import * as obstaclesForm from './obstacles_form.js';
 import * as planesForm from './planes_form.js';
+import * as pressForm from './press_form.js';
 import * as robotsForm from './robots_form.js';
 import * as sessionsForm from './sessions_form.js';
 import * as setups from './setup.js';
@@ -37,6 +38,7 @@ export function bind(runControl, attempt) {
   bindRun(runControl, attempt);
   sessionsForm.bind(runControl, attempt);
   robotsForm.bind(runControl, attempt);
+  pressForm.bind(runControl, attempt);
   state.subscribe(() => showState(runControl));
 }
 
@@ -109,7 +111,7 @@ function showSetup(runControl, change) {
   select('method').value = setup.method;
   select('ghost').value = setup.ghost;
   select('motion').value = setup.motion;
-  element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND;
+  element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND || setup.press !== null;
   select('solver').value = setup.solver;
   input('speed').value = String(Math.log10(setup.speed));
   element('speed-value').textContent = `${setup.speed}×`;
@@ -118,6 +120,7 @@ function showSetup(runControl, change) {
   element('gains').replaceChildren(gainFields(runControl, change, isOpen));
   showLists(runControl, change);
   robotsForm.showRobots(runControl);
+  pressForm.show(setup.press);
   element('contacts').replaceChildren(...contactFields(runControl, change));
 }
 
