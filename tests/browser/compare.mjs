@@ -1,7 +1,9 @@
 // Tests of what is compared with the run: several methods, recordings of other programs, the divider and two scenes.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
+import { deflateRawSync } from 'node:zlib';
 
 import { TIMEOUT_MS, cleanUp, drop, launch, open, serve, share, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
 
@@ -216,7 +218,8 @@ for (const renderer of ['canvas', 'webgl']) {
     await page.waitForFunction(() => document.getElementById('divider').ariaValueNow === '96');
     await page.waitForTimeout(2500);
     const atRight = await share(page, GHOST, 30);
-    assert.ok(atLeft > 5 * atRight && atLeft > 2e-4, `the path of the ghost: ${atLeft}, then ${atRight}`);
+    // The name of the ghost has its colour, too.
+    assert.ok(atLeft > 2 * atRight && atLeft > 2e-4, `the path of the ghost: ${atLeft}, then ${atRight}`);
     await page.keyboard.press('ArrowLeft');
     await page.waitForFunction(() => document.getElementById('divider').ariaValueNow === '94');
     const [{ x, y, width, height }, free] = [await page.locator('#divider').boundingBox(), await page.locator('#free').boundingBox()];
@@ -246,4 +249,220 @@ test('on a phone the divider and the two scenes can be used by touch', options, 
     await waitForText(page, '#divider', /^$/);
     await page.waitForFunction(() => document.getElementById('divider').ariaLabel === 'Divider between the arm of the run and Pseudo-inverse');
   }, phone);
+});
+
+test('a GIF film holds its pictures, their times and colours', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const found = await page.evaluate(async () => {
+    const { DEPTH, TRAILER, encoded, header, paletteOf, toPixels } = await import('/dashboard/gif.js');
+    const [width, height] = [61, 47];
+    // Smooth colours, noise that fills the table of codes many times, a rectangle that moves, and a picture without a change.
+    let seed = 7;
+    const random = () => (seed = (seed * 16_807) % 2_147_483_647) / 2_147_483_647;
+    const pictures = [0, 1, 2, 3, 3].map((k) => {
+      const data = new Uint8ClampedArray(4 * width * height);
+      for (let y = 0; y < height; y += 1) {
+        for (let x = 0; x < width; x += 1) {
+          const isMoving = k !== 2 && x >= 8 * k && x < 8 * k + 12 && y > 20 && y < 30;
+          const colour = k === 2 ? [255 * Math.round(random()), 255 * Math.round(random()), 255 * Math.round(random())] : isMoving ? [230, 100, 10] : [4 * x, 5 * y, 120];
+          data.set([...colour, 255], 4 * (y * width + x));
+        }
+      }
+      return data;
+    });
+    const pixels = pictures.map(toPixels);
+    const counts = new Uint32Array(DEPTH);
+    for (const picture of pixels) for (const pixel of picture) counts[pixel] += 1;
+    const palette = paletteOf(counts);
+    const delays = [10, 20, 7, 100, 3];
+    const parts = [header(width, height, palette), ...pixels.map((picture, i) => encoded(width, { pixels: picture, delay: delays[i] }, pixels[i - 1] ?? null, palette)), TRAILER];
+    const decoder = new ImageDecoder({ data: await new Blob(parts).arrayBuffer(), type: 'image/gif' });
+    await decoder.tracks.ready;
+    const results = [];
+    for (let i = 0; i < decoder.tracks.selectedTrack.frameCount; i += 1) {
+      const { image } = await decoder.decode({ frameIndex: i });
+      const canvas = new OffscreenCanvas(width, height);
+      const context = canvas.getContext('2d');
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, width, height);
+      const differences = Array.from(data, (value, at) => Math.abs(value - pictures[i][at]));
+      results.push({ worst: Math.max(...differences), mean: differences.reduce((sum, value) => sum + value) / differences.length, delay: image.duration / 1e4, size: parts[i + 1].length });
+    }
+    return { results, repetitions: decoder.tracks.selectedTrack.repetitionCount };
+  });
+  assert.equal(found.results.length, 5);
+  assert.equal(found.repetitions, Infinity);
+  assert.deepEqual(found.results.map(({ delay }) => delay), [10, 20, 7, 100, 3]);
+  for (const { worst, mean } of found.results) assert.ok(worst <= 40 && mean < 6, JSON.stringify(found.results));
+  assert.ok(found.results[4].size < 40, 'a picture without a change is small');
+}));
+
+test('the scene is recorded as a GIF film with at most ten pictures per second', options, () => withPage('scenario=stiff_wall_singular&ghost=damped_least_squares', async (page) => {
+  await page.click('#setup > summary');
+  await page.click('#record-gif');
+  assert.equal(await page.getAttribute('#record-gif', 'aria-pressed'), 'true');
+  await page.click('#go');
+  await waitForClock(page, 1.5);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.click('#record-gif')]);
+  assert.match(film.suggestedFilename(), /^stiff_wall_singular-.*\.gif$/);
+  await waitForText(page, '#share-note', /\.gif saved: \d+ pictures, [\d.]+ MB\./);
+  const data = readFileSync(await film.path());
+  assert.equal(data.subarray(0, 6).toString('latin1'), 'GIF89a');
+  const decoded = await page.evaluate(async (bytes) => {
+    const decoder = new ImageDecoder({ data: new Uint8Array(bytes), type: 'image/gif' });
+    await decoder.tracks.ready;
+    await decoder.completed;
+    const count = decoder.tracks.selectedTrack.frameCount;
+    const { image } = await decoder.decode({ frameIndex: count - 1 });
+    return { count, width: image.displayWidth, height: image.displayHeight };
+  }, [...data]);
+  assert.ok(decoded.count >= 2 && decoded.width > 100 && Math.max(decoded.width, decoded.height) <= 560, JSON.stringify(decoded));
+  assert.equal(await page.textContent('#record-gif'), 'GIF');
+}, small));
+
+const clipboard = { permissions: ['clipboard-read', 'clipboard-write'] };
+
+/** Copies the link of a page. */
+async function linkOf(page) {
+  await page.click('#copy-link');
+  await page.waitForFunction(() => document.getElementById('share-note').textContent.startsWith('Link'));
+  return page.evaluate(() => navigator.clipboard.readText());
+}
+
+/** Opens a link in another window; `body` gets its page. */
+async function withLink(link, body) {
+  const other = await open(browser, link, clipboard);
+  try {
+    await waitForState(other.page, 'connection', 'ready');
+    await body(other.page);
+    assert.deepEqual(other.pageErrors, []);
+  } finally {
+    await other.page.goto('about:blank');
+    await other.close();
+  }
+}
+
+test('a link restores the shown time, the ghosts and the divider, and says what it does not have', options, () => withPage('scenario=joint_limits&ghost=damped_least_squares', async (page) => {
+  await page.click('#go');
+  await waitForState(page, 'phase', 'finished');
+  await page.fill('#time', '1.2');
+  await page.click('[data-compare="divider"]');
+  const toolOf = async (from) => /tool at (\S+), (\S+), (\S+) m/.exec(await from.getAttribute('#scene', 'aria-label')).slice(1).map((text) => Number(text.replace('−', '-')));
+  await waitForText(page, '#clock', /^1\.(19|20)\d s$/);
+  const [shown, time] = [await toolOf(page), await page.textContent('#clock')];
+  const link = await linkOf(page);
+  assert.match(link, /ghost=damped_least_squares.*time=1\.(19|2)\d*.*compare=divider/);
+  assert.doesNotMatch(link, /lost=/);
+  await page.click('#reset');
+  await withLink(link, async (other) => {
+    await other.waitForFunction((text) => document.getElementById('clock').textContent === text, time);
+    const tool = await toolOf(other);
+    assert.ok(Math.hypot(...tool.map((value, axis) => value - shown[axis])) < 2e-3, `${tool}, not ${shown}`);
+    await waitForState(other, 'phase', 'paused');
+    await waitForText(other, '#scene-legend', /Damped least squares: /);
+    assert.equal(await other.isVisible('#divider'), true);
+    assert.equal(await other.isVisible('#notice'), false);
+  });
+}, clipboard));
+
+test('a link names the pushes, changes and recordings that it does not have, and times beyond its reach', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await drop(page, [['other.csv', csv({ hasTarget: false })]]);
+  await page.click('#notice-close');
+  await page.click('#go');
+  await waitForClock(page, 0.3);
+  await page.dispatchEvent('[data-push="0 1 0"]', 'pointerdown', { pointerId: 1 }).catch(() => {});
+  await page.focus('[data-push="0 1 0"]');
+  await page.keyboard.down('Enter');
+  await page.waitForTimeout(300);
+  await page.keyboard.up('Enter');
+  await page.selectOption('#method', 'damped_least_squares');
+  await waitForClock(page, 1);
+  await page.click('#go');
+  await waitForState(page, 'phase', 'paused');
+  const link = await linkOf(page);
+  assert.match(await page.textContent('#share-note'), /It does not have: changes during the run .*; pushes; recordings/);
+  await page.click('#reset');
+  await withLink(link, async (other) => {
+    await waitForText(other, '#notice', /Opened from a link.*run again up to [\d.]+ s\. The link does not have: changes during the run.*pushes; recordings \(send the files, too\)/);
+  });
+  await withLink(`${service.url}/?renderer=canvas#scenario=joint_limits&time=900`, async (other) => {
+    await waitForText(other, '#notice', /The link shows 900\.000 s, which is beyond the end of the scenario or 60 s/);
+  });
+}, clipboard));
+
+const ROBOT = `<robot name="shared"><link name="l0"><visual><geometry><mesh filename="base.stl"/></geometry></visual></link>${[0, 1, 2, 3].map((i) => `<link name="l${i + 1}"><visual><origin xyz="0 0 0.15"/><geometry><box size="0.06 0.06 0.3"/></geometry></visual></link>
+  <joint name="j${i}" type="revolute"><parent link="l${i}"/><child link="l${i + 1}"/><origin xyz="0 0 0.3"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/>
+  <limit lower="-1.5" upper="1.5" velocity="2" effort="1"/></joint>`).join('')}</robot>`;
+
+test('a link has a dropped robot without its meshes, and replaces no robot of the service', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await drop(page, [['shared.urdf', ROBOT], ['base.stl', 'solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid']]);
+  await waitForText(page, '#notice', /Robot my_shared/);
+  await page.click('#notice-close');
+  await waitForText(page, '#description', /^my_shared at rest/);
+  const link = await linkOf(page);
+  assert.match(await page.textContent('#share-note'), /It does not have: the meshes of the robot\./);
+  assert.ok(link.length < 3000, `${link.length} characters`);
+  await withLink(link, async (other) => {
+    await waitForText(other, '#description', /^my_shared_[0-9a-f]{10} at rest/);
+    await waitForText(other, '#notice', /The link does not have: the meshes of the robot/);
+    const shapes = await other.evaluate(async () => (await (await fetch('/v1/robots')).json()).robots.map(({ name }) => name).filter((name) => name.startsWith('my_')));
+    assert.equal(shapes.length, 2, `${shapes}`);
+    await other.click('#go');
+    await waitForClock(other, 0.2);
+    await other.click('#go');
+    await other.click('#reset');
+    const again = await linkOf(other);
+    await withLink(again, async (third) => {
+      await waitForText(third, '#description', /^my_shared_[0-9a-f]{10} at rest/);
+      const names = await third.evaluate(async () => (await (await fetch('/v1/robots')).json()).robots.map(({ name }) => name).filter((name) => name.startsWith('my_')));
+      assert.deepEqual(names, shapes, 'the same robot has the same name');
+    });
+  });
+}, clipboard));
+
+test('a robot that is too long for a link is named', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  let seed = 1;
+  const noise = Array.from({ length: 90_000 }, () => String.fromCharCode(97 + ((seed = (seed * 16_807) % 2_147_483_647) % 26))).join('');
+  await drop(page, [['long.urdf', ROBOT.replace('<link', `<!-- ${noise} --><link`)]]);
+  await waitForText(page, '#description', /^my_shared at rest/);
+  await page.click('#notice-close');
+  const link = await linkOf(page);
+  assert.ok(link.length < 1000, `${link.length} characters`);
+  assert.match(await page.textContent('#share-note'), /the robot, whose URDF file is too long/);
+}, clipboard));
+
+test('a hostile link does no harm and says what is wrong', options, async () => {
+  const pack = (text) => deflateRawSync(Buffer.from(text), { level: 9 }).toString('base64url');
+  const robots = async () => (await (await fetch(`${service.url}/v1/robots`)).json()).robots.map(({ name }) => name);
+  const before = await robots();
+  const entities = `<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>${ROBOT}`;
+  const cases = [
+    ['urdf=%3Cscript%3E', /damaged/],
+    [`urdf=${'A'.repeat(60_001)}`, /more than 60000 characters/],
+    [`urdf=${pack('0'.repeat(30_000_000)).slice(0, 59_999)}`, /more than 2 MB/],
+    [`urdf=${pack('{"urdf": 3}')}`, /no URDF file/],
+    [`urdf=${pack('null')}`, /no URDF file/],
+    [`urdf=${pack('[1')}`, /damaged/],
+    [`urdf=${pack(JSON.stringify({ urdf: ROBOT })).slice(0, 200)}`, /damaged/],
+    [`urdf=${pack(JSON.stringify({ urdf: '<robot><img src=x onerror=alert(1)>' }))}`, /./],
+    [`urdf=${pack(JSON.stringify({ urdf: entities }))}`, /no URDF file/],
+    [`urdf=${pack(JSON.stringify({ urdf: ROBOT, limits: { j0: { velocity: -1 } } }))}`, /./],
+  ];
+  for (const [part, message] of cases) {
+    await withPage(`scenario=playground&robot=panda&${part}`, async (page) => {
+      await waitForText(page, '#notice', /The robot of the link was not loaded/);
+      assert.match(await page.textContent('#notice-detail'), message, part.slice(0, 60));
+      await waitForText(page, '#description', /^panda at rest/);
+      await page.click('#go');
+      await waitForClock(page, 0.05);
+    }, small);
+  }
+  assert.deepEqual(await robots(), before);
+  const odd = ['time=1e308', 'time=-1', 'time=NaN', 'time=abc', 'compare=two,9,<b>', 'compare=x', `compare=${'two,'.repeat(1000)}`, 'lost=constructor,__proto__,toString,<b>', 'ghost=__proto__,constructor,x', `ghost=${'pseudoinverse,'.repeat(9000)}`];
+  for (const part of odd) {
+    await withPage(`scenario=joint_limits&${part}`, async (page) => {
+      assert.equal(await page.locator('#notice b, #ghosts b').count(), 0);
+      assert.doesNotMatch(await page.textContent('#notice'), /native code|undefined/);
+      assert.ok((await page.locator('#ghosts li').count()) <= 1);
+    }, small);
+  }
 });

@@ -9,6 +9,7 @@ import { drawFigures } from './figures.js';
 import { drawLegends, drawSceneLegend } from './legends.js';
 import { drawNumbers } from './numbers.js';
 import { showInvite } from './invite.js';
+import * as link from './link.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
@@ -40,6 +41,7 @@ function attempt(work) {
 }
 
 editing.bind(runControl);
+link.bind(runControl);
 controls.bind(runControl, attempt);
 timeline.bind(runControl);
 pointer.bind(scene, runControl);
@@ -105,7 +107,7 @@ watchConnection(async () => {
     runControl.showSetup();
     state.set({ connection: 'ready' });
     if (!wasUnreachable) {
-      await runControl.startMotion();
+      if (!(await link.restore(runControl))) await runControl.startMotion();
       return;
     }
     const detail = state.value.phase === 'lost' ? 'The run was lost. Press Run to start a new one.' : 'No run was lost.';
@@ -115,7 +117,7 @@ watchConnection(async () => {
       await runControl.load();
       runControl.showSetup();
       state.set({ connection: 'ready' });
-      await runControl.startMotion();
+      if (!(await link.restore(runControl))) await runControl.startMotion();
     }));
   }
 });

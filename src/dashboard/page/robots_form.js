@@ -64,8 +64,10 @@ export async function register(runControl, given) {
   const name = robotName(parsed.name || stem.replace(/^.*\//, ''));
   const known = runControl.robots.find((robot) => robot.name === name);
   if (known) await removeNow(`/v1/robots/${name}`);
-  const robot = await registerChain({ ...stated, name, urdf });
-  if (!robot) return;
+  const registered = await registerChain({ ...stated, name, urdf });
+  if (!registered) return;
+  const { robot, registration } = registered;
+  runControl.dropped.set(name, registration);
   const model = named(parsed, stated.joint_names ?? {}, robot.chain?.base ?? parsed.root);
   const { visuals, missing, unreadable } = await loadVisuals(model, files);
   runControl.visuals.set(name, visuals);
@@ -97,11 +99,11 @@ async function overrides(file) {
 
 /**
  * Registers the robot. If the service cannot tell which links are its ends, asks for them.
- * @type {(registration: RobotRegistration) => Promise<Robot | null>} null if the user cancels
+ * @type {(registration: RobotRegistration) => Promise<{robot: Robot, registration: RobotRegistration} | null>} null if the user cancels
  */
 async function registerChain(registration) {
   try {
-    return await post('/v1/robots', registration);
+    return { robot: await post('/v1/robots', registration), registration };
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
     const { pointer, candidates = [], detail } = error.problem;
@@ -123,7 +125,7 @@ function chainText({ chain }) {
 }
 
 /** Returns the model with the names of joints that requests use. @type {(model: Urdf, names: Record<string, string>, root: string) => Urdf} */
-function named(model, names, root) {
+export function named(model, names, root) {
   const renamed = (/** @type {string} */ name) => names[name] ?? name;
   const joints = model.joints.map((joint) => ({
     ...joint,

@@ -54,6 +54,8 @@ export class RunControl {
     this.robot = null;
     /** Shapes of the links by robot name. @type {Map<string, import('./visuals.js').Visuals>} */
     this.visuals = new Map();
+    /** Registrations of the robots that were dropped onto the page or came with a link, by name. @type {Map<string, import('./types.js').RobotRegistration>} */
+    this.dropped = new Map();
     /** @type {Kinematics | null} of the shown robot */
     this.kinematics = null;
     /** @type {ArmView | null} the arm at the start of the scenario */
@@ -80,6 +82,8 @@ export class RunControl {
     /** @type {Vec3} */
     this.push = [0, 0, 0];
     this.lastPushTime = 0;
+    /** Whether the user pushed the tool in this run. */
+    this.wasPushed = false;
     this.closeUp = false;
     this.emptyHistory = new History();
     /** Shows the setup in the form; set by the module `controls`. */
@@ -113,7 +117,8 @@ export class RunControl {
     await this.loadRobots();
     this.scenarios = scenarios.map(({ scenario }) => scenario);
     const isFirst = !this.setup && location.hash.length < 2;
-    const robot = this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
+    const shared = await this.robotOfLink();
+    const robot = shared || this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
     if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot);
     const fallback = this.scenarios.find(({ name }) => name === (isFirst ? setups.PLAYGROUND : 'stiff_wall')) ?? this.scenarios[0];
     this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? { ...setups.defaults(fallback), motion: isFirst ? 'eight' : '' };
@@ -163,6 +168,9 @@ export class RunControl {
     this.reset();
     await this.showStart();
   }
+
+  /** Registers the robot that the link of the page has, and returns its name; set by the module `link`. @type {() => Promise<string>} */
+  robotOfLink = async () => '';
 
   /** Set by the module `editing`. @type {(change: Partial<Setup>) => Promise<void>} */
   change = async () => {};
@@ -284,6 +292,7 @@ export class RunControl {
     for (const ghost of this.ghosts) ghost.delete();
     this.run = null;
     this.ghosts = [];
+    this.wasPushed = false;
     this.running = null;
     this.cursor = null;
     this.dragged = null;
@@ -305,6 +314,7 @@ export class RunControl {
     if (isHeld && now - this.lastPushTime < PUSH_INTERVAL) return;
     if (!isHeld && before.every((part) => part === 0)) return;
     this.lastPushTime = now;
+    this.wasPushed ||= isHeld;
     this.sendControl({ external_force: this.push }).catch(this.onError);
   }
 

@@ -58,8 +58,13 @@ function shownSigma({ history, cursor, kinematics, scenario, watch }) {
 
 /** Returns the posture that the page shows. @type {(runControl: RunControl) => ArmView | null} */
 export function shownArm(runControl) {
-  const { cursor, history, watch, run } = runControl;
-  if (cursor !== null && history.arms.length > 0) return history.armAt(cursor);
+  const { cursor, history, watch, run, kinematics, robot } = runControl;
+  if (cursor !== null && history.arms.length > 0) {
+    const near = history.armAt(cursor);
+    const sample = shownSample(runControl);
+    // Samples are denser than postures of the service.
+    return near && sample && kinematics && kinematics.robot === robot?.name ? kinematics.armAt(near, sample.joint_position) : near;
+  }
   if (watch) return watch.step?.arm ?? null;
   return run?.frame?.arm ?? runControl.preview;
 }
