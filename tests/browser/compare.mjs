@@ -1,7 +1,7 @@
 // Tests of what is compared with the run: several methods, recordings of other programs, the divider and two scenes.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { deflateRawSync } from 'node:zlib';
 
@@ -132,7 +132,7 @@ test('a dropped recording is a ghost with its name, colour and numbers, plays wi
   await page.waitForFunction(() => document.getElementById('live').hidden === false);
   const tool = [0.307 * Math.cos(0.6) - 0, 0.307 * Math.sin(0.6)];
   const away = Math.hypot(tool[0] - 0.307, tool[1] - 0.1);
-  await waitForText(page, '#scene-legend', /other program: [\d.]+ mm to the target/);
+  await waitForText(page, '#scene-legend', /other program: [\d.]+ mm/);
   const shown = /other program: ([\d.]+) mm/.exec(await page.textContent('#scene-legend'))[1];
   assert.ok(Math.abs(Number(shown) - 1e3 * away) < 2, `${shown} mm, not ${1e3 * away}`);
   assert.match(await page.textContent('#scene-legend'), /Strict reverse priority: [\d.]+ (mm|µm) to the target/);
@@ -466,3 +466,17 @@ test('a hostile link does no harm and says what is wrong', options, async () => 
     }, small);
   }
 });
+
+test('the recordings of docs/behaviour are shown together, and the run follows their target', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  const folder = ['docs/behaviour', '../../docs/behaviour'].find(existsSync);
+  const files = ['revprio', 'pink', 'mink'].map((name) => [`out_of_reach-${name}.csv`, readFileSync(`${folder}/out_of_reach-${name}.csv`, 'utf8')]);
+  await drop(page, files);
+  await waitForText(page, '#notice', /3 recordings added as ghosts ?out_of_reach-revprio: 240 postures of panda in 11\.9 s\./);
+  await page.click('text=Follow its target');
+  await waitForState(page, 'phase', 'running');
+  await waitForClock(page, 4.5);
+  await page.click('#go');
+  await waitForText(page, '#scene-legend', /Strict reverse priority: [\d.]+ mm.*out_of_reach-revprio: [\d.]+ mm.*out_of_reach-pink: [\d.]+ mm.*out_of_reach-mink: [\d.]+ mm/);
+  const away = [...(await page.textContent('#scene-legend')).matchAll(/: ([\d.]+) mm/g)].map(([, value]) => Number(value));
+  assert.ok(away.every((value) => value > 300 && value < 420), `the target is 0.35 m out of reach; ${away}`);
+}, small));

@@ -69,8 +69,8 @@ export function drawLegends(view) {
 export function drawSceneLegend({ arm, ghosts, goal, name, room }) {
   const list = element('scene-legend');
   const colours = palette();
-  const away = (/** @type {number | null} */ length) => (length === null ? '' : `: ${distance(length)} to the target`);
-  const own = ghosts.length > 0 && arm ? [entry('', colours.accent, `${name}${away(goal && distanceTo(goal, arm.tool.position))}`)] : [];
+  const away = (/** @type {number | null} */ length) => (length === null ? '' : `: ${distance(length)}`);
+  const own = ghosts.length > 0 && arm ? [entry('', colours.accent, `${name}${goal ? `${away(distanceTo(goal, arm.tool.position))} to the target` : ''}`)] : [];
   const others = ghosts.map((ghost) => entry('ghost', hexOf(colours, ghost.colour), `${ghost.name}${away(ghost.away)}`));
   const items = [...own, ...others, ...roomEntries(room)].map((line) => {
     const item = document.createElement('li');
