@@ -452,8 +452,7 @@ test('a hostile link does no harm and says what is wrong', options, async () => 
       await waitForText(page, '#notice', /The robot of the link was not loaded/);
       assert.match(await page.textContent('#notice-detail'), message, part.slice(0, 60));
       await waitForText(page, '#description', /^panda at rest/);
-      await page.click('#go');
-      await waitForClock(page, 0.05);
+      assert.equal(await page.isEnabled('#go'), true);
     }, small);
   }
   assert.deepEqual(await robots(), before);
@@ -467,16 +466,21 @@ test('a hostile link does no harm and says what is wrong', options, async () => 
   }
 });
 
+/** Distances of the recorded tools from their target at 5.5 s, mm, by the kinematics of tools/bench/behaviour/arm.py. */
+const AWAY = { revprio: 331.3, pink: 313.5, mink: 313.5 };
+
 test('the recordings of docs/behaviour are shown together, and the run follows their target', options, () => withPage('scenario=playground&robot=panda', async (page) => {
   const folder = ['docs/behaviour', '../../docs/behaviour'].find(existsSync);
   const files = ['revprio', 'pink', 'mink'].map((name) => [`out_of_reach-${name}.csv`, readFileSync(`${folder}/out_of_reach-${name}.csv`, 'utf8')]);
   await drop(page, files);
   await waitForText(page, '#notice', /3 recordings added as ghosts ?out_of_reach-revprio: 240 postures of panda in 11\.9 s\./);
   await page.click('text=Follow its target');
-  await waitForState(page, 'phase', 'running');
-  await waitForClock(page, 4.5);
-  await page.click('#go');
+  await waitForState(page, 'phase', 'finished');
+  await page.fill('#time', '5.5');
+  await waitForText(page, '#clock', /^5\.[45]\d\d s$/);
   await waitForText(page, '#scene-legend', /Strict reverse priority: [\d.]+ mm.*out_of_reach-revprio: [\d.]+ mm.*out_of_reach-pink: [\d.]+ mm.*out_of_reach-mink: [\d.]+ mm/);
   const away = [...(await page.textContent('#scene-legend')).matchAll(/: ([\d.]+) mm/g)].map(([, value]) => Number(value));
-  assert.ok(away.every((value) => value > 300 && value < 420), `the target is 0.35 m out of reach; ${away}`);
+  // The run tilts its tool to come nearer; the recordings give position and orientation the same priority.
+  assert.ok(away[0] > 200 && away[0] < 300, `${away}`);
+  ['revprio', 'pink', 'mink'].forEach((name, i) => assert.ok(Math.abs(away[i + 1] - AWAY[name]) < 2, `${name}: ${away[i + 1]} mm, not ${AWAY[name]}`));
 }, small));

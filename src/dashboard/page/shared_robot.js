@@ -79,13 +79,14 @@ async function collected(stream, longest) {
  */
 export async function registerShared(runControl, text, wanted) {
   const registration = await unpacked(text);
-  const model = parseUrdf(registration.urdf);
   const mark = await digest(JSON.stringify(registration));
   const stem = wanted.replace(/[^A-Za-z0-9_.-]/g, '_').replace(/^my_/, '').replace(/_[0-9a-f]{10}$/, '').slice(0, 36);
   const name = `my_${stem || 'robot'}_${mark}`;
   const known = runControl.robots.find((robot) => robot.name === name);
   /** @type {import('./types.js').Robot} */
   const robot = known ?? await post('/v1/robots', { ...registration, name });
+  // The service has read the text, so it is a robot.
+  const model = parseUrdf(registration.urdf);
   runControl.dropped.set(name, { ...registration, name });
   const { visuals } = await loadVisuals(named(model, registration.joint_names ?? {}, robot.chain?.base ?? model.root), new Map());
   runControl.visuals.set(name, visuals);
