@@ -142,7 +142,7 @@ test('a dropped recording is a ghost with its name, colour and numbers, plays wi
   await waitForText(page, '#ghosts', /of panda/);
   await page.waitForFunction(() => document.getElementById('scene-legend').textContent === '');
   await page.click('[aria-label="Remove ghost other program"]');
-  assert.equal(await page.locator('#ghosts li').count(), 0);
+  await page.waitForFunction(() => document.querySelectorAll('#ghosts li').length === 0);
   await drop(page, [['bad.csv', 'a,b\n1,2']]);
   await waitForText(page, '#notice', /bad\.csv has no column time_s/);
 }, small));
@@ -465,6 +465,25 @@ test('a hostile link does no harm and says what is wrong', options, async () => 
     }, small);
   }
 });
+
+const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+
+for (const [width, height, colorScheme] of [[390, 844, 'light'], [768, 1024, 'dark'], [1920, 1080, 'light']]) {
+  test(`with ghosts nothing is cut off and axe finds nothing serious at ${width} x ${height}, ${colorScheme}`, options, () => withPage('scenario=stiff_wall_singular&ghost=damped_least_squares,pseudoinverse&compare=divider,0.3', async (page) => {
+    await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
+    await page.click('#go');
+    await waitForText(page, '#scene-legend', /Pseudo-inverse/);
+    await page.waitForFunction(() => document.getElementById('divider').ariaValueNow === '30');
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(wide <= width, `${wide} px on ${width}`);
+    const cut = await page.evaluate(() => Array.from(document.querySelectorAll('#ghosts .task-name, #compare button')).filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => part.textContent));
+    assert.deepEqual(cut, []);
+    await page.evaluate(AXE);
+    const result = await page.evaluate(() => globalThis.axe.run(document));
+    const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+    assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
+  }, { viewport: { width, height }, colorScheme }));
+}
 
 /** Distances of the recorded tools from their target at 5.5 s, mm, by the kinematics of tools/bench/behaviour/arm.py. */
 const AWAY = { revprio: 331.3, pink: 313.5, mink: 313.5 };

@@ -85,8 +85,9 @@ function ofRecording(runControl, recording, now) {
   return [{ id, name, colour: colourOf(id), arm, history: recording.path(kinematics), until: time, position, target, away }];
 }
 
-/** Returns the shown time, s. @type {(runControl: RunControl, now: number | null) => number} */
+/** Returns the shown time since the start of the run or of the session, s. @type {(runControl: RunControl, now: number | null) => number} */
 export function shownTime({ cursor, history, setup, watch }, now) {
   const isEven = now !== null && cursor === null && !watch && state.value.phase === 'running';
-  return cursor ?? (isEven ? timeToShow(history, setup?.speed ?? 1, now) : history.now);
+  const time = cursor ?? (isEven ? timeToShow(history, setup?.speed ?? 1, now) : history.now);
+  return watch && history.length > 0 ? time - history.columns.time[0] : time;
 }

@@ -24,6 +24,9 @@ const MAX_RECORDINGS = 6;
 const RECORDINGS = /\.(csv|json|jsonl|txt)$/i;
 const ROBOTS = /\.(urdf|xml|zip|stl|obj|dae|gltf|glb|bin)$/i;
 
+/** The description of a run that revprio writes next to its CSV. */
+const DESCRIPTION = /\.recording\.json$/i;
+
 /** Returns whether dropped files are recordings. @type {(files: Map<string, File>) => boolean} */
 export const areRecordings = (files) => [...files.keys()].some((name) => RECORDINGS.test(name)) && ![...files.keys()].some((name) => ROBOTS.test(name));
 
@@ -65,7 +68,7 @@ export async function addRecordings(runControl, attempt, files) {
   const robots = [...(shown ? [shown] : []), ...runControl.robots.filter(({ name }) => name !== shown?.name)];
   /** @type {Recording[]} */
   const read = [];
-  for (const file of files.filter(({ name }) => RECORDINGS.test(name))) read.push(await readRecording(file, robots));
+  for (const file of files.filter(({ name }) => RECORDINGS.test(name) && !DESCRIPTION.test(name))) read.push(await readRecording(file, robots));
   if (read.length === 0) throw new Error('there is no recording among the files; recordings are CSV, JSON or JSON lines');
   if (runControl.recordings.length + read.length > MAX_RECORDINGS) throw new Error(`the page shows up to ${MAX_RECORDINGS} recordings; remove one first`);
   runControl.recordings = [...runControl.recordings, ...read];

@@ -17,6 +17,9 @@ import { MAX_BYTES, TARGETS, jointColumns, listed, numberOf, readTable } from '.
 /** Largest position of a joint that is accepted, rad or m. */
 const LARGEST = 1000;
 
+/** Largest number of points of a path. */
+const PATH_POINTS = 2000;
+
 /** Distance beyond the range of a joint above which the numbers look like degrees, rad. */
 const FAR = 7;
 
@@ -62,7 +65,10 @@ export class Recording {
 }
 
 /** @type {(recording: Recording, kinematics: Kinematics) => Path} */
-function pathOf({ times, positions, targets }, kinematics) {
+function pathOf(recording, kinematics) {
+  const step = Math.ceil(recording.times.length / PATH_POINTS);
+  const isKept = (/** @type {unknown} */ _, /** @type {number} */ row) => row % step === 0;
+  const [times, positions, targets] = [recording.times.filter(isKept), recording.positions.filter(isKept), recording.targets?.filter(isKept)];
   const tools = positions.map((position) => kinematics.tool(kinematics.frames(position)).position);
   const [x, y, z] = [0, 1, 2].map((axis) => Float64Array.from(tools, (tool) => tool[axis]));
   const away = targets ? tools.map((tool, row) => Math.hypot(...tool.map((value, axis) => value - targets[row][axis]))) : [];

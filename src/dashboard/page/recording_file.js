@@ -46,8 +46,14 @@ function fromCsv(file, text) {
   const names = header.split(separator).map((word) => word.trim().replace(/^"(.*)"$/, '$1'));
   const time = names.findIndex((name) => TIMES.includes(name));
   if (time < 0) throw new Error(`${file} has no column time_s; its first line must name time_s and the joints, and starts with “${header.slice(0, 60)}”`);
-  const rows = kept.slice(1).map((line) => lines[line].split(separator));
-  return { names, joints: 0, times: rows.map((row) => numberOf(row[time])), cell: (column, row) => rows[row][column], place: (row) => `line ${kept[row + 1] + 1}` };
+  // The cells of one row at a time: those of a long file would need much memory.
+  let shown = { row: -1, cells: /** @type {string[]} */ ([]) };
+  const cell = (/** @type {number} */ column, /** @type {number} */ row) => {
+    if (shown.row !== row) shown = { row, cells: lines[kept[row + 1]].split(separator) };
+    return shown.cells[column];
+  };
+  const times = Array.from({ length: Math.max(0, kept.length - 1) }, (_, row) => numberOf(cell(time, row)));
+  return { names, joints: 0, times, cell, place: (row) => `line ${kept[row + 1] + 1}` };
 }
 
 /** @type {(file: string, text: string) => Table} */

@@ -75,9 +75,9 @@ export function shownController({ watch, running, applied, pastScenario }) {
 }
 
 /** @type {(runControl: RunControl) => View['ghosts']} */
-function curvesOf({ ghosts, recordings, robot, kinematics }) {
+function curvesOf({ ghosts, recordings, robot, kinematics, watch }) {
   const runs = ghosts.map(({ history, simulation }) => ({ history, colour: colourOf(`method:${simulation.method}`), name: methodName(simulation.method) }));
-  const shown = recordings.filter((recording) => kinematics && kinematics.robot === robot?.name && recording.robot === robot.name);
+  const shown = recordings.filter((recording) => !watch && kinematics && kinematics.robot === robot?.name && recording.robot === robot.name);
   return [...runs, ...shown.map((recording) => ({ history: recording.path(/** @type {import('./kinematics.js').Kinematics} */ (kinematics)), colour: colourOf(recording.id), name: recording.name }))];
 }
 
