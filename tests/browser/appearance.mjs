@@ -103,7 +103,7 @@ test('the camera contains the arm and its target after every change of scenario 
       const body = JSON.stringify({ robot: scenario.controller.robot, joint_position: scenario.start_joint_position });
       const answer = await (await fetch('/v1/kinematics', { method: 'POST', headers: { 'content-type': 'application/json' }, body })).json();
       const joints = answer.links.map(({ pose }) => ({ origin: pose.position, axis: [0, 0, 1], lower: null, upper: null }));
-      const world = { arm: { joints, tool: answer.pose }, contacts: [], ghost: null, goal: null };
+      const world = { arm: { joints, tool: answer.pose }, contacts: [], ghosts: [], goal: null };
       for (const [width, height] of [[360, 250], [530, 350], [900, 480]]) {
         Object.assign(camera, { width, height, free: { left: 40, top: 20, width: width - 60, height: height - 40 } });
         for (let i = 0; i < 40; i += 1) framing.follow(world, scenario.name);

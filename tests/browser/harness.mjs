@@ -146,3 +146,31 @@ export async function findInScene(page, name) {
 export async function number(page, selector) {
   return Number((await page.textContent(selector)).replace('−', '-').replace(/[^\d.-]/g, ''));
 }
+
+/** Returns what part of the free scene, or of a strip of it across, has about one of some colours, as the screen shows it. */
+export async function share(page, colours, reach = 26, [from, to] = [0, 1]) {
+  const free = await page.locator('#free').boundingBox();
+  const clip = { ...free, x: free.x + from * free.width, width: (to - from) * free.width };
+  const picture = (await page.screenshot({ clip })).toString('base64');
+  return page.evaluate(async ([picture, colours, reach]) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${picture}`;
+    await image.decode();
+    const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      count += Number(colours.some((colour) => colour.every((part, k) => Math.abs(data[i + k] - part) < reach)));
+    }
+    return count / (data.length / 4);
+  }, [picture, colours, reach]);
+}
+
+/** Drops files, names and contents, onto the page. */
+export const drop = (page, files) => page.evaluate((list) => {
+  const data = new DataTransfer();
+  for (const [name, bytes] of list) data.items.add(new File([new Uint8Array(bytes)], name));
+  dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
+}, files.map(([name, content]) => [name, [...Buffer.from(content)]]));

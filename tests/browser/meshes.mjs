@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { deflateRawSync } from 'node:zlib';
 
-import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForState, waitForText } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, drop, launch, open, serve, waitForState, waitForText } from './harness.mjs';
 
 let browser;
 let service;
@@ -50,13 +50,6 @@ const read = (page, files) => page.evaluate(async (files) => {
       return error.message;
     }
   }));
-}, files.map(([name, content]) => [name, [...Buffer.from(content)]]));
-
-/** Drops files onto the page. */
-const drop = (page, files) => page.evaluate((list) => {
-  const data = new DataTransfer();
-  for (const [name, bytes] of list) data.items.add(new File([new Uint8Array(bytes)], name));
-  dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
 }, files.map(([name, content]) => [name, [...Buffer.from(content)]]));
 
 const material = (name, colour) => `<effect id="${name}-effect"><profile_COMMON><technique sid="common"><lambert><diffuse><color>${colour} 1</color></diffuse></lambert></technique></profile_COMMON></effect>`;

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, findInScene, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, findInScene, launch, open, serve, share, waitForClock, waitForState } from './harness.mjs';
 
 let browser;
 let service;
@@ -29,26 +29,6 @@ async function withPage(address, body, context = {}) {
     await page.goto('about:blank');
     await close();
   }
-}
-
-/** Returns what part of the free scene has about one of some colours, as the screen shows it. */
-async function share(page, colours, reach = 26) {
-  const clip = await page.locator('#free').boundingBox();
-  const picture = (await page.screenshot({ clip })).toString('base64');
-  return page.evaluate(async ([picture, colours, reach]) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${picture}`;
-    await image.decode();
-    const canvas = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height });
-    const context = canvas.getContext('2d');
-    context.drawImage(image, 0, 0);
-    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4) {
-      count += Number(colours.some((colour) => colour.every((part, k) => Math.abs(data[i + k] - part) < reach)));
-    }
-    return count / (data.length / 4);
-  }, [picture, colours, reach]);
 }
 
 test('the renderer is chosen by the address, and the canvas is used without a graphics card', options, async () => {
@@ -202,13 +182,13 @@ test('the elbow swings while the tool stays, and an arm without spare motion has
 }));
 
 test('the scene is parted between two methods', options, () => withPage('?renderer=webgl#scenario=stiff_wall_singular&ghost=damped_least_squares', async (page) => {
-  assert.equal(await page.isVisible('#wipe'), false);
+  assert.equal(await page.isVisible('#compare'), false);
   await page.click('#go');
   await waitForState(page, 'phase', 'finished');
-  await page.waitForSelector('#wipe-field:not([hidden])');
+  await page.waitForSelector('#compare:not([hidden])');
   const pink = [[181, 120, 160], [150, 70, 110], [120, 60, 90]];
   const before = await share(page, pink, 24);
-  await page.fill('#wipe', '40');
+  await page.click('[data-compare="divider"]');
   await page.waitForTimeout(1200);
   const after = await share(page, pink, 24);
   assert.ok(before > 1.3 * after, `the ghost is pink in ${before}, then in ${after} of the picture`);
@@ -233,7 +213,7 @@ test('small and large arms fill the same part of the picture', options, () => wi
       const camera = new Camera();
       Object.assign(camera, { width: 800, height: 600, free: { left: 100, top: 50, width: 600, height: 500 } });
       const framing = new Framing(camera);
-      for (let k = 0; k < 60; k += 1) framing.follow({ arm, kinematics, contacts: [], goal: null, ghost: null, room: null }, String(i));
+      for (let k = 0; k < 60; k += 1) framing.follow({ arm, kinematics, contacts: [], goal: null, ghosts: [], room: null }, String(i));
       camera.update();
       const spots = [[0, 0, 0], ...arm.joints.map(({ origin }) => origin), arm.tool.position].map((point) => camera.project(point));
       const extent = (part) => Math.max(...spots.map((spot) => spot[part])) - Math.min(...spots.map((spot) => spot[part]));

@@ -3,6 +3,7 @@
 import { simpleColours } from './any_model.js';
 import { bodies, vec } from './arm.js';
 import { Camera, dot, sub } from './geometry.js';
+import { hexOf } from './ghost_curves.js';
 import { depthOf, drawHalfSpace, drawSolids, facesCamera } from './overlay.js';
 import { drawBodies } from './shading.js';
 import { floor, wall } from './surroundings.js';
@@ -10,9 +11,8 @@ import { areDrawable, drawParts, placedParts } from './visuals.js';
 
 /**
  * @typedef {import('./types.js').ArmView} ArmView
- * @typedef {import('./history.js').History} History
  * @typedef {import('./scene.js').Contact} Contact
- * @typedef {import('./scene.js').Ghost} Ghost
+ * @typedef {import('./ghosts.js').Ghost} Ghost
  * @typedef {import('./scene.js').World} World
  * @typedef {import('./theme.js').Palette} Palette
  */
@@ -37,13 +37,13 @@ export class CanvasScene {
     const walls = world.contacts.filter(({ isWall }) => isWall);
     walls.filter((contact) => isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
     if (world.room) this.drawObstacles(context, world.room, arm, true, colours, density);
-    if (world.ghost) this.drawGhost(context, world.ghost, world.until, colours, density);
+    for (const ghost of world.ghosts) this.drawGhost(context, ghost, colours, density);
     if (world.swung && world.kinematics) {
       const swung = bodies(world.kinematics.armAt(arm, world.swung), []);
       const tint = rgbOf(colours.axes[2]);
       this.translucent(context, 0.42, density, (on) => drawBodies(on, camera, swung, () => tint));
     }
-    trail(context, camera, world.history, world.until, colours.accent, []);
+    trail(context, camera, world.history, world.until, world.colour === undefined ? colours.accent : hexOf(colours, world.colour), []);
     if (robot && areDrawable(visuals)) drawParts(context, camera, placedParts(visuals, robot, world.position, world.atLimit, colours));
     else drawBodies(context, camera, parts, ({ material }) => materials[material]);
     walls.filter((contact) => !isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
@@ -51,17 +51,18 @@ export class CanvasScene {
   }
 
   /**
-   * Draws the second arm transparently.
+   * Draws another arm transparently.
    * @param {CanvasRenderingContext2D} context
    * @param {Ghost} ghost
-   * @param {number | null} until end of its path, s
    * @param {Palette} colours
    * @param {number} density
    */
-  drawGhost(context, ghost, until, colours, density) {
-    trail(context, this.camera, ghost.history, until, colours.ghost, [5, 4]);
-    const tint = rgbOf(colours.ghost);
-    this.translucent(context, 0.42, density, (on) => drawBodies(on, this.camera, bodies(ghost.arm, []), () => tint));
+  drawGhost(context, { arm, history, until, colour }, colours, density) {
+    const hex = hexOf(colours, colour);
+    trail(context, this.camera, history, until, hex, [5, 4]);
+    if (!arm) return;
+    const tint = rgbOf(hex);
+    this.translucent(context, 0.42, density, (on) => drawBodies(on, this.camera, bodies(arm, []), () => tint));
   }
 
   /**
@@ -161,7 +162,7 @@ function shadow(context, camera, parts, colours) {
   context.stroke();
 }
 
-/** @type {(context: CanvasRenderingContext2D, camera: Camera, history: History, until: number | null, colour: string, dash: number[]) => void} */
+/** @type {(context: CanvasRenderingContext2D, camera: Camera, history: import('./recording.js').Path, until: number | null, colour: string, dash: number[]) => void} */
 function trail(context, camera, history, until, colour, dash) {
   const { columns } = history;
   const length = until === null ? history.length : history.indexAt(until) + 1;

@@ -1,6 +1,8 @@
 // The setup form and the buttons of a run.
 
+import * as drop from './drop.js';
 import * as editing from './editing.js';
+import * as ghostsForm from './ghosts_form.js';
 import { element } from './notices.js';
 import * as obstaclesForm from './obstacles_form.js';
 import * as planesForm from './planes_form.js';
@@ -32,13 +34,14 @@ const button = (id) => element(id);
  */
 export function bind(runControl, attempt) {
   options(select('method'), setups.METHODS);
-  options(select('ghost'), [{ value: '', name: 'nothing' }, ...setups.METHODS]);
   options(select('solver'), setups.SOLVERS);
   bindSetup(runControl, attempt);
   bindRun(runControl, attempt);
   sessionsForm.bind(runControl, attempt);
   robotsForm.bind(runControl, attempt);
   pressForm.bind(runControl, attempt);
+  drop.bind(attempt, (files) => (ghostsForm.areRecordings(files)
+    ? ghostsForm.addRecordings(runControl, attempt, [...files.values()]) : robotsForm.register(runControl, files)));
   state.subscribe(() => showState(runControl));
 }
 
@@ -62,6 +65,7 @@ function bindSetup(runControl, attempt) {
   };
   planesForm.bind(runControl, change);
   obstaclesForm.bind(runControl, change);
+  ghostsForm.bind(runControl, attempt, change);
   button('undo').onclick = () => attempt(async () => {
     await editing.undo(runControl);
     showSetup(runControl, change);
@@ -74,8 +78,12 @@ function bindSetup(runControl, attempt) {
     saveInAddress();
   });
   select('method').onchange = () => change({ method: /** @type {Setup['method']} */ (select('method').value) });
-  select('motion').onchange = () => change({ motion: /** @type {Setup['motion']} */ (select('motion').value), targets: {} });
-  select('ghost').onchange = () => change({ ghost: /** @type {Setup['ghost']} */ (select('ghost').value) });
+  select('motion').onchange = () => attempt(async () => {
+    const motion = /** @type {Setup['motion']} */ (select('motion').value);
+    if (runControl.setup?.motion === 'recorded') await editing.select(runControl, setups.PLAYGROUND, runControl.setup.robot);
+    await runControl.change({ motion, targets: {} });
+    runControl.showSetup();
+  });
   select('solver').onchange = () => change({ solver: /** @type {Setup['solver']} */ (select('solver').value) });
   input('lag').onchange = () => {
     const lag = setups.numbers(input('lag').value);
@@ -107,9 +115,11 @@ function showSetup(runControl, change) {
   const entries = names.map((name) => ({ value: name, name: name.replaceAll('_', ' ') }));
   options(select('scenario'), [{ value: setups.PLAYGROUND, name: 'playground, any robot' }, ...entries]);
   select('scenario').value = setup.scenario;
-  element('description').textContent = setup.motion ? scenario.description.replace('at rest', 'follows a figure of eight') : scenario.description;
+  element('description').textContent = setup.motion === 'eight' ? scenario.description.replace('at rest', 'follows a figure of eight') : scenario.description;
   select('method').value = setup.method;
-  select('ghost').value = setup.ghost;
+  const recorded = /** @type {HTMLOptionElement} */ (element('recorded'));
+  recorded.hidden = setup.motion !== 'recorded';
+  recorded.disabled = recorded.hidden;
   select('motion').value = setup.motion;
   element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND || setup.press !== null;
   select('solver').value = setup.solver;
@@ -210,6 +220,7 @@ function showState(runControl) {
 
 /** Hides plots that would stay empty, and enables undo. @type {(runControl: RunControl) => void} */
 export function refresh(runControl) {
+  ghostsForm.show(runControl);
   button('undo').disabled = runControl.undoable.length === 0 || runControl.watch !== null;
   const controller = runControl.watch?.session.controller ?? runControl.scenario?.controller;
   const hasPoses = (controller?.tasks ?? []).some(({ law }) => law && law.kind !== 'force');

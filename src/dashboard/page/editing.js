@@ -2,7 +2,6 @@
 
 import { fixed } from './number.js';
 import { continued } from './continuation.js';
-import { History } from './history.js';
 import { Measures } from './measures.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
@@ -59,11 +58,12 @@ async function restore(runControl) {
   const before = runControl.undoable.pop();
   const { setup } = runControl;
   if (!before || !setup) return;
+  const isRecorded = [before, setup].some(({ motion }) => motion === 'recorded') && before.motion !== setup.motion;
   const isOther = before.scenario !== setup.scenario || before.robot !== setup.robot || JSON.stringify(before.press) !== JSON.stringify(setup.press);
-  if (isOther) {
+  if (isOther || isRecorded) {
     if (before.robot) await runControl.makePlayground(before.robot, before.press);
     await runControl.selectScenario(before.scenario);
-    runControl.setup = before;
+    runControl.setup = before.motion === 'recorded' ? { ...before, motion: '' } : before;
     runControl.onChange();
     return;
   }
@@ -96,6 +96,7 @@ async function apply(runControl, change, continues = false) {
   runControl.setup = { ...runControl.setup, ...change };
   runControl.onChange();
   if (!runControl.isActive) return;
+  if (change.ghosts) dropGhosts(runControl);
   for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
   if (change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined) {
     await restart(runControl);
@@ -104,6 +105,13 @@ async function apply(runControl, change, continues = false) {
     if (command) await runControl.sendControl(command, change.method === undefined);
   }
   state.set({ pending: isPending(runControl) });
+}
+
+/** Ends the ghosts whose methods were removed. @param {RunControl} runControl */
+function dropGhosts(runControl) {
+  const isWanted = (/** @type {Run} */ { simulation }) => runControl.setup?.ghosts.includes(simulation.method) ?? false;
+  for (const ghost of runControl.ghosts.filter((run) => !isWanted(run))) ghost.delete();
+  runControl.ghosts = runControl.ghosts.filter(isWanted);
 }
 
 /** Returns the command for the parts of a change that a run can apply. @type {(runControl: RunControl, change: Partial<Setup>) => SimulationControl | null} */
@@ -120,20 +128,20 @@ function commandFor({ running, setup }, change) {
 }
 
 /** Returns whether the setup has changes that need a new run. @type {(runControl: RunControl) => boolean} */
-function isPending({ applied, running, ghost, setup }) {
+function isPending({ applied, running, ghosts, setup }) {
   if (!applied || !running || !setup) return false;
   const stiffness = (/** @type {Scenario} */ scenario) => (scenario.contacts ?? []).map((contact) => contact.stiffness);
   const differ = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) !== JSON.stringify(b);
   return (
     differ(stiffness(applied), stiffness(running)) ||
     differ(applied.velocity_loop, running.velocity_loop) ||
-    (ghost?.simulation.method ?? '') !== setup.ghost
+    differ(ghosts.map(({ simulation }) => simulation.method), setup.ghosts)
   );
 }
 
 /** Continues the run from its present posture with the changed tasks and planes. @param {RunControl} runControl */
 async function restart(runControl) {
-  const { run, ghost, applied, robot, setup } = runControl;
+  const { run, ghosts, applied, robot, setup } = runControl;
   const paused = state.value.phase === 'paused';
   if (!run || !applied || !robot || !setup) return;
   if (!run.history.last) {
@@ -145,16 +153,22 @@ async function restart(runControl) {
     const start = measures?.start ?? runControl.preview?.tool;
     return last && start ? continued(applied, robot, start, last) : applied;
   };
-  const [scenario, ghostScenario] = [next(run), ghost ? next(ghost) : null];
+  const scenario = next(run);
   prepare(run.history, scenario, setup.order);
-  if (ghost && ghostScenario) prepare(ghost.history, ghostScenario, setup.order);
+  const others = ghosts.map((ghost) => {
+    const { history } = ghost;
+    const own = next(ghost);
+    prepare(history, own, setup.order);
+    return { method: ghost.simulation.method, scenario: own, history };
+  });
   state.set({ phase: 'starting' });
   // The service limits the number of runs, so the old ones must be gone first.
-  await Promise.all([run.delete(), ghost?.delete()]);
-  await runControl.startRuns(scenario, run.history, ghostScenario, ghost?.history ?? new History(), paused);
+  runControl.ghosts = [];
+  await Promise.all([run, ...ghosts].map((old) => old.delete()));
+  await runControl.startRuns(scenario, run.history, others, paused);
 }
 
-/** Prepares a history for the run that continues it. @type {(history: History, scenario: Scenario, order: number[]) => void} */
+/** Prepares a history for the run that continues it. @type {(history: import('./history.js').History, scenario: Scenario, order: number[]) => void} */
 function prepare(history, scenario, order) {
   const { measures } = history;
   history.begin(scenario, new Measures(scenario.controller, measures?.start ?? null, measures?.kinematics ?? null), order);

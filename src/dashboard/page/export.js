@@ -2,9 +2,10 @@
 
 import { DRAWINGS, cards } from './figures.js';
 import { element } from './notices.js';
-import { methodName, toFragment } from './setup.js';
+import { GifRecorder, LONGEST } from './gif_recorder.js';
+import { linkOf } from './link.js';
+import { methodName } from './setup.js';
 import { Recorder } from './recorder.js';
-import { viewText } from './shared_state.js';
 import { asCurl, asPython, asRos2 } from './snippets.js';
 import { SvgSurface, escaped } from './svg.js';
 import { printPalette } from './theme.js';
@@ -19,12 +20,16 @@ import { view } from './view.js';
 
 const TRACES = { csv: 'text/csv', mcap: 'application/vnd.mcap' };
 
-/** @type {(runControl: RunControl, scene: Scene, attempt: Attempt) => Recorder} */
+/** @type {(runControl: RunControl, scene: Scene, attempt: Attempt) => {addPicture: () => void}} */
 export function bind(runControl, scene, attempt) {
   const act = (/** @type {string} */ id, /** @type {() => Promise<void>} */ work) => {
     element(id).onclick = () => attempt(work);
   };
-  act('copy-link', () => copy('Link', setupLink(runControl, scene)));
+  act('copy-link', async () => {
+    const { link, lost } = await linkOf(runControl, scene);
+    await copy('Link', link);
+    if (lost) showNote(`Link copied (${link.length} characters). It does not have: ${lost}.`);
+  });
   act('copy-curl', async () => copy('curl command', asCurl(await runControl.cycle())));
   act('copy-python', async () => copy('Python program', asPython(await runControl.cycle())));
   act('copy-ros2', async () => copy('ROS 2 commands', asRos2((await runControl.cycle()).controller)));
@@ -35,7 +40,14 @@ export function bind(runControl, scene, attempt) {
   });
   const recorder = new Recorder(scene, (film) => save(film, `${fileStem(runControl)}.webm`), () => showRecorder(recorder));
   act('record', async () => recorder.toggle());
-  return recorder;
+  const gif = new GifRecorder(scene, (film, text) => save(film, `${fileStem(runControl)}.gif`, text), (progress) => showGif(gif, progress));
+  act('record-gif', () => gif.toggle());
+  return {
+    addPicture: () => {
+      recorder.addPicture();
+      gif.addPicture();
+    },
+  };
 }
 
 /** @param {Recorder} recorder */
@@ -44,10 +56,14 @@ function showRecorder({ isRecording }) {
   element('record').ariaPressed = String(isRecording);
 }
 
-/** @type {(runControl: RunControl, scene: Scene) => string} a link to the setup and the view; the replaced targets move on from there */
-function setupLink(runControl, scene) {
-  const fragment = runControl.setup && runControl.scenario ? toFragment(runControl.setup, runControl.scenario) : '';
-  return `${location.origin}${location.pathname}#${fragment}&view=${viewText(scene.camera)}`;
+/** @type {(gif: GifRecorder, progress: number | null) => void} */
+function showGif({ isRecording }, progress) {
+  const button = /** @type {HTMLButtonElement} */ (element('record-gif'));
+  button.textContent = isRecording ? 'End GIF' : 'GIF';
+  button.ariaPressed = String(isRecording);
+  button.disabled = progress !== null;
+  if (isRecording) showNote(`Recording for at most ${LONGEST / 1000} s.`);
+  if (progress !== null) showNote(`Encoding the GIF: ${Math.round(100 * progress)} %.`);
 }
 
 /** @type {(what: string, text: string) => Promise<void>} */
@@ -88,14 +104,14 @@ async function trace(runControl, format) {
   save(await download(`${runControl.run.path}/trace`, TRACES[format]), `${fileStem(runControl)}.${format}`);
 }
 
-/** @type {(content: Blob, file: string) => void} */
-function save(content, file) {
+/** @type {(content: Blob, file: string, text?: string) => void} */
+function save(content, file, text = '') {
   const anchor = document.createElement('a');
   anchor.href = URL.createObjectURL(content);
   anchor.download = file;
   anchor.click();
   setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
-  showNote(`${file} saved.`);
+  showNote(`${file} saved${text ? `: ${text}` : ''}.`);
 }
 
 const TITLES = {

@@ -1,5 +1,6 @@
 // The plot of the contact force: measured and desired force, and the error.
 
+import { ghostCurves, lengthOf } from './ghost_curves.js';
 import { fixed } from './number.js';
 import { axes, bounds, curve, FONT } from './plot.js';
 import { BOTTOM, drawMarks, timeFrame, timeReading } from './time_axis.js';
@@ -29,7 +30,7 @@ export const forceLabel = (view, axis) => view.history.measures?.forceLabels[axi
 
 /** @type {import('./time_axis.js').Draw} */
 export function force(surface, width, height, view, colours) {
-  const { history, ghost } = view;
+  const { history } = view;
   const shown = forceAxes(view);
   const hasTarget = shown.some((axis) => history.hasTarget(axis)) || (history.measures?.rows.length ?? 0) > 0;
   const below = hasTarget ? Math.round(0.3 * height) : 0;
@@ -37,10 +38,7 @@ export function force(surface, width, height, view, colours) {
   axes(surface, frame, colours, hasTarget ? { x: false } : { xLabel: 's' });
   for (const axis of shown) {
     const [columns, colour] = [history.columns, colours.axes[axis]];
-    if (ghost) {
-      const style = { colour: colours.ghost, width: 1.4, dash: [5, 3] };
-      curve(surface, frame, ghost.columns.time, ghost.columns[`force${axis}`], ghost.length, style);
-    }
+    ghostCurves(surface, frame, view, `force${axis}`, colours, { width: 1.4, dash: [5, 3] });
     curve(surface, frame, columns.time, columns[`force${axis}`], history.length, { colour, width: 1.8 });
     const target = { colour: colours.text, width: 1.3, dash: [2, 3] };
     curve(surface, frame, columns.time, columns[`target${axis}`], history.length, target);
@@ -80,13 +78,14 @@ export function frameLabel(surface, text, frame, colours) {
 }
 
 /** @type {(view: View, shown: number[]) => {low: number, high: number}} */
-function forceRange({ history, ghost, closeUp }, shown) {
+function forceRange(view, shown) {
+  const { history, ghosts, closeUp } = view;
   const names = shown.flatMap((axis) => [`force${axis}`, `target${axis}`]);
   const targets = bounds(shown.map((axis) => history.columns[`target${axis}`]), history.length);
   if (closeUp && targets.high >= targets.low) return { low: targets.low - 12, high: targets.high + 12 };
   const own = bounds(names.map((name) => history.columns[name]), history.length);
-  const other = ghost ? bounds(shown.map((axis) => ghost.columns[`force${axis}`]), ghost.length) : own;
-  const [low, high] = [Math.min(0, own.low, other.low), Math.max(20, own.high, other.high)];
+  const others = ghosts.filter((ghost) => ghost.history.columns.force0).map((ghost) => bounds(shown.map((axis) => ghost.history.columns[`force${axis}`]), lengthOf(ghost, view)));
+  const [low, high] = [Math.min(0, own.low, ...others.map((other) => other.low)), Math.max(20, own.high, ...others.map((other) => other.high))];
   const margin = 0.04 * (high - low);
   return { low: low < 0 ? low - margin : 0, high: high + margin };
 }

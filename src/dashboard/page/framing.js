@@ -132,8 +132,8 @@ export class Framing {
 }
 
 /** @type {(world: World, size: number) => Vec3[]} `size`: length of the arm, m */
-function shownPoints({ arm, goal, contacts, ghost, room }, size) {
-  const arms = [arm, ghost?.arm].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position, ...(shown.chains ?? []).map(({ tip }) => tip)] : []));
+function shownPoints({ arm, goal, contacts, ghosts, room }, size) {
+  const arms = [arm, ...ghosts.map((ghost) => ghost.arm)].flatMap((shown) => (shown ? [...shown.joints.map(({ origin }) => origin), shown.tool.position, ...(shown.chains ?? []).map(({ tip }) => tip)] : []));
   const points = arms.map(vec);
   if (goal) points.push(vec(goal.pose.position));
   const tool = vec(arm?.tool.position ?? [0, 0, 0]);

@@ -10,10 +10,10 @@ const AWAY = 14;
 let wasDragged = false;
 
 /** Shows the hand at the target while the playground moves by itself. @type {(runControl: import('./run_control.js').RunControl, scene: import('./scene.js').Scene, world: import('./scene.js').World) => void} */
-export function showInvite(runControl, { camera, canvas }, { goal }) {
+export function showInvite(runControl, { camera, canvas }, { goal, ghosts }) {
   const { setup, dragged, cursor } = runControl;
   wasDragged ||= dragged !== null || Object.keys(setup?.targets ?? {}).length > 0;
-  const isShown = !wasDragged && goal !== null && cursor === null && Boolean(setup?.motion) && state.value.phase === 'running';
+  const isShown = !wasDragged && goal !== null && cursor === null && ghosts.length === 0 && setup?.motion === 'eight' && state.value.phase === 'running';
   const hand = element('invite');
   if (hand.hidden === isShown) hand.hidden = !isShown;
   if (!isShown || !goal) return;

@@ -2,15 +2,16 @@
 
 import { cards } from './figures.js';
 import { forceAxes, forceLabel } from './force_plot.js';
+import { hexOf } from './ghost_curves.js';
 import { element } from './notices.js';
+import { distance } from './number.js';
 import { DASHES } from './plots.js';
 import { tasksShown } from './pose_plot.js';
-import { methodName } from './setup.js';
 import { nearestText } from './overlay.js';
+import { distanceTo } from './target.js';
 import { palette } from './theme.js';
 
 /**
- * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./view.js').View} View
  */
 
@@ -33,7 +34,7 @@ export function drawLegends(view) {
   const total = view.paths ?? { closed_form: 0, active_set: 0, qp: 0 };
   const all = Math.max(1, total.closed_form + total.active_set + total.qp);
   const share = (/** @type {number} */ count) => `${Math.round((100 * count) / all)} %`;
-  const ghost = view.ghost ? [entry('ghost', colours.ghost, 'ghost')] : [];
+  const others = (/** @type {string} */ column) => view.ghosts.filter(({ history }) => history.columns[column]).map(({ colour, name }) => entry('ghost', hexOf(colours, colour), name));
   const task = (/** @type {string} */ name, /** @type {number} */ k) =>
     entry((DASHES[k] ?? []).length > 0 ? 'dash' : '', colours.axes[k % 3], name);
   const hasTarget = shown.some((axis) => view.history.hasTarget(axis)) || (view.history.measures?.rows.length ?? 0) > 0;
@@ -41,14 +42,14 @@ export function drawLegends(view) {
   const content = {
     force: [
       ...shown.map((axis) => entry('', colours.axes[axis], `measured ${forceLabel(view, axis)}`)),
-      ...(hasTarget ? [entry('dot', colours.text, 'desired')] : []), ...ghost,
+      ...(hasTarget ? [entry('dot', colours.text, 'desired')] : []), ...others('force0'),
     ],
-    pose: [...tasksShown(view).map((k) => task(view.tasks[k] ?? String(k + 1), k)), ...ghost],
+    pose: [...tasksShown(view).map((k) => task(view.tasks[k] ?? String(k + 1), k)), ...others('linear0')],
     residuals: view.tasks.slice(0, 6).map(task),
     velocities: [entry('block', colours.accent, 'rad/s or m/s'), entry('block', colours.allowed, 'current bounds'), entry('block', colours.alarm, '▶ at a limit')],
     positions: [entry('block', colours.accent, 'rad or m'), entry('block', colours.allowed, 'allowed range')],
     limits: [entry('block', colours.alarm, 'upper limit'), entry('block', colours.axes[0], 'lower limit')],
-    singularity: [entry('', colours.accent, view.history.measures?.isDependent ? 'directions of the tool' : 'all tasks'), ...ghost],
+    singularity: [entry('', colours.accent, view.history.measures?.isDependent ? 'directions of the tool' : 'all tasks'), ...others('sigma')],
     solver: [
       entry('block', colours.paths.closed_form, `closed form ${share(total.closed_form)}`),
       entry('block', colours.paths.active_set, `active set ${share(total.active_set)}`),
@@ -64,12 +65,14 @@ export function drawLegends(view) {
   }
 }
 
-/** Shows in the scene what is drawn: the method of the ghost arm, shapes, obstacles, and the nearest pair. @type {(runControl: RunControl, room: import('./room.js').Room | null) => void} */
-export function drawSceneLegend(runControl, room) {
+/** Shows in the scene what is drawn: the arms that are compared, shapes, obstacles, and the nearest pair. @type {(world: import('./scene.js').World) => void} */
+export function drawSceneLegend({ arm, ghosts, goal, name, room }) {
   const list = element('scene-legend');
   const colours = palette();
-  const ghost = runControl.ghost ? [entry('ghost', colours.ghost, methodName(runControl.ghost.simulation.method))] : [];
-  const items = [...ghost, ...roomEntries(room)].map((line) => {
+  const away = (/** @type {number | null} */ length) => (length === null ? '' : `: ${distance(length)}`);
+  const own = ghosts.length > 0 && arm ? [entry('', colours.accent, `${name}${goal ? `${away(distanceTo(goal, arm.tool.position))} to the target` : ''}`)] : [];
+  const others = ghosts.map((ghost) => entry('ghost', hexOf(colours, ghost.colour), `${ghost.name}${away(ghost.away)}`));
+  const items = [...own, ...others, ...roomEntries(room)].map((line) => {
     const item = document.createElement('li');
     item.append(line);
     return item;

@@ -1,5 +1,6 @@
 // Connects the modules of the page and redraws it when something has changed.
 
+import * as compare from './compare.js';
 import * as controls from './controls.js';
 import { RunControl } from './run_control.js';
 import * as exporting from './export.js';
@@ -8,6 +9,7 @@ import { drawFigures } from './figures.js';
 import { drawLegends, drawSceneLegend } from './legends.js';
 import { drawNumbers } from './numbers.js';
 import { showInvite } from './invite.js';
+import * as link from './link.js';
 import { watchConnection } from './connection.js';
 import { element, showError, hideNotice, notify } from './notices.js';
 import * as pointer from './pointer.js';
@@ -21,7 +23,6 @@ import * as swing from './swing.js';
 import * as theme from './theme.js';
 import * as timeline from './timeline.js';
 import { view } from './view.js';
-import * as wipe from './wipe.js';
 import { world } from './world.js';
 
 /** Minimum interval between two drawings of the scene on the canvas, and of the plots, ms: about 20 and 10 per second. */
@@ -40,6 +41,7 @@ function attempt(work) {
 }
 
 editing.bind(runControl);
+link.bind(runControl);
 controls.bind(runControl, attempt);
 timeline.bind(runControl);
 pointer.bind(scene, runControl);
@@ -47,7 +49,7 @@ const recorder = exporting.bind(runControl, scene, attempt);
 replay.bind(runControl);
 scene.viewOfLink = viewOf(new URLSearchParams(location.hash.slice(1)).get('view'));
 
-wipe.bind(() => { needsRedraw = true; });
+compare.bind(() => { needsRedraw = true; });
 swing.bind(() => { needsRedraw = true; });
 roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
@@ -80,7 +82,7 @@ function draw(now) {
   const subject = watch?.session.id ?? `${scenario?.name} ${scenario?.controller.robot}`;
   scene.draw(shown, runControl.robot, subject, now);
   showInvite(runControl, scene, shown);
-  wipe.show(isEven && shown.ghost !== null);
+  compare.show(shown);
   recorder.addPicture();
   if (now - plotsDrawn < PLOTS_INTERVAL) {
     needsRedraw = true;
@@ -93,7 +95,7 @@ function draw(now) {
   drawLegends(data);
   drawNumbers(runControl, data, shown.room);
   timeline.drawTimeline(runControl);
-  drawSceneLegend(runControl, shown.room);
+  drawSceneLegend(shown);
   roomSwitch.show(roomController(runControl), runControl.robot);
 }
 requestAnimationFrame(draw);
@@ -105,7 +107,7 @@ watchConnection(async () => {
     runControl.showSetup();
     state.set({ connection: 'ready' });
     if (!wasUnreachable) {
-      await runControl.startMotion();
+      if (!(await link.restore(runControl))) await runControl.startMotion();
       return;
     }
     const detail = state.value.phase === 'lost' ? 'The run was lost. Press Run to start a new one.' : 'No run was lost.';
@@ -115,7 +117,7 @@ watchConnection(async () => {
       await runControl.load();
       runControl.showSetup();
       state.set({ connection: 'ready' });
-      await runControl.startMotion();
+      if (!(await link.restore(runControl))) await runControl.startMotion();
     }));
   }
 });

@@ -1,5 +1,6 @@
 // Plots of the hierarchy over time: residuals, smallest singular value, round trips.
 
+import { ghostCurves } from './ghost_curves.js';
 import { microseconds, quantity, scientific } from './number.js';
 import { atX, atY, axes, bounds, curve, level } from './plot.js';
 import { drawMarks, timeFrame, timeReading } from './time_axis.js';
@@ -35,7 +36,7 @@ const LOG_RATIO = 300;
 
 /** @type {Draw} */
 export function singularity(surface, width, height, view, colours) {
-  const { history, ghost, threshold } = view;
+  const { history, threshold } = view;
   const { low, high } = bounds([history.columns.sigma], history.length);
   const top = Math.max(0.1, (threshold ?? 0) * 1.6, Number.isFinite(high) ? high * 1.15 : 0);
   const log = top / low > LOG_RATIO;
@@ -44,9 +45,7 @@ export function singularity(surface, width, height, view, colours) {
   const floor = log ? bottom : undefined;
   axes(surface, frame, colours, { xLabel: 's' });
   if (threshold) level(surface, frame, threshold, colours.alarm, `damping below ${threshold}`);
-  if (ghost) {
-    curve(surface, frame, ghost.columns.time, ghost.columns.sigma, ghost.length, { colour: colours.ghost, dash: [5, 3], floor });
-  }
+  ghostCurves(surface, frame, view, 'sigma', colours, { dash: [5, 3], floor });
   curve(surface, frame, history.columns.time, history.columns.sigma, history.length, { colour: colours.accent, floor });
   drawMarks(surface, frame, view, colours);
   return timeReading(view, frame, (i) => [`σ min ${quantity(history.columns.sigma[i], '')}`.trim()]);

@@ -1,6 +1,7 @@
 // The plot of the pose errors: the distance and the angle from each task's target.
 
 import { frameLabel } from './force_plot.js';
+import { ghostCurves, lengthOf } from './ghost_curves.js';
 import { angle, distance } from './number.js';
 import { axes, curve, hint } from './plot.js';
 import { DASHES } from './plots.js';
@@ -67,10 +68,11 @@ export function tasksShown(view) {
 /** @type {(view: View, part: Part) => Range} */
 function range(view, part) {
   let [low, high] = [Infinity, SMALLEST];
-  for (const history of view.ghost ? [view.history, view.ghost] : [view.history]) {
+  const shown = [{ history: view.history, length: view.history.length }, ...view.ghosts.map((ghost) => ({ history: ghost.history, length: lengthOf(ghost, view) }))];
+  for (const { history, length } of shown) {
     for (const k of tasksWith(view, part)) {
-      const column = history.columns[`${part.name}${k}`];
-      for (let i = 0; i < history.length; i += 1) {
+      const column = history.columns[`${part.name}${k}`] ?? [];
+      for (let i = 0; i < length; i += 1) {
         const value = column[i] * part.factor;
         if (value > high) high = value;
         if (value > SMALLEST && value < low) low = value;
@@ -87,11 +89,8 @@ function drawPart(surface, frame, view, part, colours) {
   const floor = frame.y.log ? scaled.y.low : undefined;
   for (const k of tasksWith(view, part)) {
     const name = `${part.name}${k}`;
-    const { ghost, history } = view;
-    if (ghost) {
-      const style = { colour: colours.ghost, width: 1.2, dash: DASHES[k], floor };
-      curve(surface, scaled, ghost.columns.time, ghost.columns[name], ghost.length, style);
-    }
+    const { history } = view;
+    ghostCurves(surface, scaled, view, name, colours, { width: 1.2, dash: DASHES[k], floor });
     const style = { colour: colours.axes[k % 3], width: 1.7, dash: DASHES[k], floor };
     curve(surface, scaled, history.columns.time, history.columns[name], history.length, style);
   }

@@ -14,7 +14,7 @@ import { unzip } from './zip.js';
  * @typedef {import('./types.js').Robot} Robot
  * @typedef {import('./types.js').RobotRegistration} RobotRegistration
  * @typedef {import('./urdf.js').Urdf} Urdf
- * @typedef {Map<string, File>} Files files by path
+ * @typedef {import('./drop.js').Files} Files
  */
 
 /** Maximum number of meshes that a message names. */
@@ -35,56 +35,6 @@ export function bind(runControl, attempt) {
     await register(runControl, files);
     picker.value = '';
   });
-  bindDrop(runControl, attempt);
-}
-
-/** @type {(runControl: RunControl, attempt: Attempt) => void} */
-function bindDrop(runControl, attempt) {
-  const hasFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files') ?? false;
-  addEventListener('dragover', (event) => {
-    if (!hasFiles(event)) return;
-    event.preventDefault();
-    document.body.classList.add('dropping');
-  });
-  addEventListener('dragleave', (event) => {
-    if (!event.relatedTarget) document.body.classList.remove('dropping');
-  });
-  addEventListener('drop', (event) => {
-    document.body.classList.remove('dropping');
-    if (!hasFiles(event)) return;
-    event.preventDefault();
-    // The list of items is empty after this event, so it is read at once.
-    const items = Array.from(event.dataTransfer?.items ?? []).filter(({ kind }) => kind === 'file');
-    const entries = items.map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-    const plain = Array.from(event.dataTransfer?.files ?? []);
-    attempt(async () => {
-      const files = entries.length > 0 ? await filesOf(entries) : new Map(plain.map((file) => [file.name, file]));
-      await register(runControl, files);
-    });
-  });
-}
-
-/** Returns the files of entries and their folders. @type {(entries: FileSystemEntry[]) => Promise<Files>} */
-async function filesOf(entries) {
-  /** @type {Files} */
-  const files = new Map();
-  const read = async (/** @type {FileSystemEntry} */ entry) => {
-    if (entry.isFile) {
-      const file = await new Promise((resolve, reject) => /** @type {FileSystemFileEntry} */ (entry).file(resolve, reject));
-      files.set(entry.fullPath.replace(/^\//, ''), file);
-      return;
-    }
-    const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
-    for (;;) {
-      // A reader returns the entries of a folder in parts.
-      /** @type {FileSystemEntry[]} */
-      const part = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-      if (part.length === 0) return;
-      for (const child of part) await read(child);
-    }
-  };
-  for (const entry of entries) await read(entry);
-  return files;
 }
 
 /** Returns the files with those of zip files among them. @type {(given: Files) => Promise<Files>} */
@@ -99,7 +49,7 @@ async function unpacked(given) {
 }
 
 /** Registers the robot of a URDF file and shows it. @type {(runControl: RunControl, given: Files) => Promise<void>} */
-async function register(runControl, given) {
+export async function register(runControl, given) {
   const files = await unpacked(given);
   const found = [/\.urdf$/i, /\.xml$/i].map((ending) => [...files].find(([name]) => ending.test(name)));
   const [path, file] = found[0] ?? found[1] ?? [];
@@ -114,8 +64,10 @@ async function register(runControl, given) {
   const name = robotName(parsed.name || stem.replace(/^.*\//, ''));
   const known = runControl.robots.find((robot) => robot.name === name);
   if (known) await removeNow(`/v1/robots/${name}`);
-  const robot = await registerChain({ ...stated, name, urdf });
-  if (!robot) return;
+  const registered = await registerChain({ ...stated, name, urdf });
+  if (!registered) return;
+  const { robot, registration } = registered;
+  runControl.dropped.set(name, registration);
   const model = named(parsed, stated.joint_names ?? {}, robot.chain?.base ?? parsed.root);
   const { visuals, missing, unreadable } = await loadVisuals(model, files);
   runControl.visuals.set(name, visuals);
@@ -147,11 +99,11 @@ async function overrides(file) {
 
 /**
  * Registers the robot. If the service cannot tell which links are its ends, asks for them.
- * @type {(registration: RobotRegistration) => Promise<Robot | null>} null if the user cancels
+ * @type {(registration: RobotRegistration) => Promise<{robot: Robot, registration: RobotRegistration} | null>} null if the user cancels
  */
 async function registerChain(registration) {
   try {
-    return await post('/v1/robots', registration);
+    return { robot: await post('/v1/robots', registration), registration };
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
     const { pointer, candidates = [], detail } = error.problem;
@@ -173,7 +125,7 @@ function chainText({ chain }) {
 }
 
 /** Returns the model with the names of joints that requests use. @type {(model: Urdf, names: Record<string, string>, root: string) => Urdf} */
-function named(model, names, root) {
+export function named(model, names, root) {
   const renamed = (/** @type {string} */ name) => names[name] ?? name;
   const joints = model.joints.map((joint) => ({
     ...joint,

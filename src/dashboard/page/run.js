@@ -1,6 +1,6 @@
 // An interactive simulation in the service: starts it, receives its frames, and sends control commands.
 
-import { events, post, remove } from './transport.js';
+import { ApiError, events, post, remove } from './transport.js';
 
 /**
  * @typedef {import('./history.js').History} History
@@ -9,6 +9,10 @@ import { events, post, remove } from './transport.js';
  * @typedef {import('./types.js').SimulationRequest} SimulationRequest
  * @typedef {import('./types.js').LiveFrame} LiveFrame
  */
+
+/** Number of tries to start a run while the service is busy, and the time between them, ms. */
+const TRIES = 6;
+const BETWEEN = 150;
 
 /** One run; `follow` receives its frames until it ends or is deleted. */
 export class Run {
@@ -37,7 +41,15 @@ export class Run {
    * @param {History} history
    */
   static async start(request, onFrame, onEnd, history) {
-    return new Run(await post('/v1/simulations', request), onFrame, onEnd, history);
+    for (let tries = 1; ; tries += 1) {
+      try {
+        return new Run(await post('/v1/simulations', request), onFrame, onEnd, history);
+      } catch (error) {
+        // Runs that were just deleted need a moment to end, and the service limits their number.
+        if (!(error instanceof ApiError) || error.status !== 503 || tries === TRIES) throw error;
+        await new Promise((resolve) => { setTimeout(resolve, BETWEEN); });
+      }
+    }
   }
 
   /**

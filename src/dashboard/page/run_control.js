@@ -32,7 +32,7 @@ const FIRST_ROBOT = 'panda';
 /** Minimum interval between two commands with a push, ms; the service ends a push after one second. */
 const PUSH_INTERVAL = 100;
 
-/** Controls the run, its ghost (a second run with another method, for comparison) and the watched session. */
+/** Controls the run, its ghosts (runs with other methods, for comparison) and the watched session. */
 export class RunControl {
   /**
    * @param {() => void} onChange called when the page must be redrawn
@@ -55,14 +55,18 @@ export class RunControl {
     this.robot = null;
     /** Shapes of the links by robot name. @type {Map<string, import('./visuals.js').Visuals>} */
     this.visuals = new Map();
+    /** Registrations of the robots that were dropped onto the page or came with a link, by name. @type {Map<string, import('./types.js').RobotRegistration>} */
+    this.dropped = new Map();
     /** @type {Kinematics | null} of the shown robot */
     this.kinematics = null;
     /** @type {ArmView | null} the arm at the start of the scenario */
     this.preview = null;
     /** @type {Run | null} */
     this.run = null;
-    /** @type {Run | null} */
-    this.ghost = null;
+    /** Runs with other methods, for comparison. @type {Run[]} */
+    this.ghosts = [];
+    /** Recordings that are shown as ghosts. @type {import('./recording.js').Recording[]} */
+    this.recordings = [];
     /** @type {Scenario | null} scenario of the current run, with the changes of the setup */
     this.running = null;
     /** @type {Watch | null} */
@@ -79,6 +83,8 @@ export class RunControl {
     /** @type {Vec3} */
     this.push = [0, 0, 0];
     this.lastPushTime = 0;
+    /** Whether the user pushed the tool in this run. */
+    this.wasPushed = false;
     this.closeUp = false;
     this.emptyHistory = new History();
     /** Shows the setup in the form; set by the module `controls`. */
@@ -112,7 +118,8 @@ export class RunControl {
     await this.loadRobots();
     this.scenarios = scenarios.map(({ scenario }) => scenario);
     const isFirst = !this.setup && location.hash.length < 2;
-    const robot = this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
+    const shared = await this.robotOfLink();
+    const robot = shared || this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
     if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot, this.setup?.press ?? pressFrom(new URLSearchParams(location.hash.slice(1)).get('press')));
     const fallback = this.scenarios.find(({ name }) => name === (isFirst ? setups.PLAYGROUND : 'stiff_wall')) ?? this.scenarios[0];
     this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? { ...setups.defaults(fallback), motion: isFirst ? 'eight' : '' };
@@ -163,20 +170,22 @@ export class RunControl {
     await this.showStart();
   }
 
+  /** Registers the robot that the link of the page has, and returns its name; set by the module `link`. @type {() => Promise<string>} */
+  robotOfLink = async () => '';
+
   /** Set by the module `editing`. @type {(change: Partial<Setup>) => Promise<void>} */
   change = async () => {};
 
   /**
    * Sends a control command to the run.
    * @param {SimulationControl} command
-   * @param {boolean} both whether the ghost gets the command too
+   * @param {boolean} all whether the ghosts get the command too
    */
-  async sendControl(command, both = true) {
-    const runs = [this.run, both ? this.ghost : null];
-    const ghostCommand = command.controller && this.ghost
-      ? { ...command, controller: { ...command.controller, method: this.ghost.simulation.method } }
-      : command;
-    await Promise.all(runs.map((run) => run?.control(run === this.ghost ? ghostCommand : command)));
+  async sendControl(command, all = true) {
+    const { controller } = command;
+    const own = (/** @type {Run} */ ghost) => (controller ? { ...command, controller: { ...controller, method: ghost.simulation.method } } : command);
+    const others = all ? this.ghosts.map((ghost) => ghost.control(own(ghost))) : [];
+    await Promise.all([this.run?.control(command), ...others]);
     this.updatePhase();
   }
 
@@ -207,7 +216,7 @@ export class RunControl {
   }
 
   /**
-   * Deletes the current run, then starts a new run and its ghost.
+   * Deletes the current run, then starts a new run and its ghosts.
    * @param {boolean} paused whether the new run waits for a command
    */
   async start(paused) {
@@ -220,18 +229,18 @@ export class RunControl {
       made.begin(applied, new Measures(applied.controller, start, this.kinematics), []);
       return made;
     };
-    await this.startRuns(applied, history(), setup.ghost ? applied : null, history(), paused);
+    const ghosts = setup.ghosts.map((method) => ({ method, scenario: applied, history: history() }));
+    await this.startRuns(applied, history(), ghosts, paused);
   }
 
   /**
-   * Starts a run and its ghost.
+   * Starts a run and its ghosts.
    * @param {Scenario} scenario
    * @param {History} history receives the samples of the run
-   * @param {Scenario | null} ghostScenario
-   * @param {History} ghostHistory
+   * @param {{method: import('./types.js').Method, scenario: Scenario, history: History}[]} ghosts
    * @param {boolean} paused
    */
-  async startRuns(scenario, history, ghostScenario, ghostHistory, paused) {
+  async startRuns(scenario, history, ghosts, paused) {
     const { setup } = this;
     if (!setup) return;
     state.set({ phase: 'starting' });
@@ -240,12 +249,13 @@ export class RunControl {
     const onEnd = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
       this.handleEnd(run, reason, error);
     try {
-      const waits = paused || ghostScenario !== null;
-      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits), onFrame, onEnd, history);
-      if (ghostScenario && setup.ghost) {
-        this.ghost = await Run.start(setups.request(ghostScenario, setup, setup.ghost, true), onFrame, onEnd, ghostHistory);
-        if (!paused) await this.sendControl({ paused: false });
+      const waits = paused || ghosts.length > 0;
+      const runs = 1 + ghosts.length;
+      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits, runs), onFrame, onEnd, history);
+      for (const ghost of ghosts) {
+        this.ghosts.push(await Run.start(setups.request(ghost.scenario, setup, ghost.method, true, runs), onFrame, onEnd, ghost.history));
       }
+      if (waits && !paused) await this.sendControl({ paused: false });
     } catch (error) {
       this.reset();
       throw error;
@@ -280,9 +290,10 @@ export class RunControl {
   /** Deletes the run. */
   reset() {
     this.run?.delete();
-    this.ghost?.delete();
+    for (const ghost of this.ghosts) ghost.delete();
     this.run = null;
-    this.ghost = null;
+    this.ghosts = [];
+    this.wasPushed = false;
     this.running = null;
     this.cursor = null;
     this.dragged = null;
@@ -304,6 +315,7 @@ export class RunControl {
     if (isHeld && now - this.lastPushTime < PUSH_INTERVAL) return;
     if (!isHeld && before.every((part) => part === 0)) return;
     this.lastPushTime = now;
+    this.wasPushed ||= isHeld;
     this.sendControl({ external_force: this.push }).catch(this.onError);
   }
 

@@ -2,6 +2,7 @@
 
 import { forces, target } from './arrows.js';
 import { CanvasScene } from './canvas_scene.js';
+import { drawNames, drawTargets, firstArea, modeOf, panes } from './compare.js';
 import { Framing } from './framing.js';
 import { Camera } from './geometry.js';
 import { Orbit } from './orbit.js';
@@ -11,12 +12,10 @@ import { solidScene } from './renderer_choice.js';
 import { drawSigns } from './signs.js';
 import { axes, spring } from './surroundings.js';
 import { palette } from './theme.js';
-import { drawLine } from './wipe.js';
 
 /**
  * @typedef {import('./types.js').ArmView} ArmView
  * @typedef {import('./types.js').Vec3} Vec3
- * @typedef {import('./history.js').History} History
  * @typedef {import('./theme.js').Palette} Palette
  *
  * @typedef {object} Contact a wall or a spring
@@ -26,28 +25,23 @@ import { drawLine } from './wipe.js';
  * @property {Vec3} inwards unit vector into the material
  * @property {Vec3} at a point on its surface, m
  *
- * @typedef {object} Ghost
- * @property {ArmView} arm
- * @property {History} history
- * @property {number[]} position q, rad or m
- *
  * @typedef {object} World
  * @property {boolean} [moves] whether the target goes round by itself
- * @property {number} wipe part of the free scene that shows the first of two arms; 1: the second one is a ghost
- * @property {[string, string]} methods of both arms
+ * @property {string} name of the arm: its method
+ * @property {number} [colour] of its path, index in `Palette.ghosts`; none: that of the run
  * @property {number[] | null} swung posture of the ghost that swings its elbow
  * @property {import('./kinematics.js').Kinematics | null} kinematics of the shown robot
  * @property {ArmView | null} arm
  * @property {import('./signs.js').Signs | null} signs of the tasks
  * @property {boolean[]} atLimit
- * @property {History} history
+ * @property {import('./recording.js').Path} history path of the tool
  * @property {number | null} until end of the drawn path, s; null: its latest point
  * @property {Contact[]} contacts
  * @property {Vec3} start initial position of the tool, m
  * @property {Vec3} force on the environment, N
  * @property {(number | null)[]} target force, N
  * @property {Vec3} push force on the tool, N
- * @property {Ghost | null} ghost
+ * @property {import('./ghosts.js').Ghost[]} ghosts
  * @property {import('./target.js').Goal | null} goal the target that can be dragged
  * @property {import('./room.js').Room | null} room the overlay of shapes and distances
  * @property {import('./visuals.js').Visuals | null} visuals shapes of the links
@@ -68,6 +62,8 @@ export class Scene {
     this.solidCanvas = solidCanvas;
     this.free = free;
     this.camera = new Camera();
+    /** The part of the picture that no panel covers, px. */
+    this.whole = this.camera.free;
     this.flat = new CanvasScene();
     this.framing = new Framing(this.camera);
     this.orbit = new Orbit(this.camera);
@@ -98,7 +94,8 @@ export class Scene {
 
   /** Paints what is shown, without the parts behind panels, on another canvas. @param {HTMLCanvasElement} canvas */
   paint(canvas) {
-    const { free, width } = this.camera;
+    const { width } = this.camera;
+    const { whole: free } = this;
     const factor = this.canvas.width / Math.max(1, width);
     // Films need an even number of pixels.
     resize(canvas, 2 * Math.floor((free.width * factor) / 2), 2 * Math.floor((free.height * factor) / 2), 1);
@@ -128,7 +125,8 @@ export class Scene {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (width === 0 || height === 0) return;
     resize(canvas, width, height, density);
-    Object.assign(camera, { width, height, free: this.freePart() });
+    this.whole = this.freePart();
+    Object.assign(camera, { width, height, free: firstArea(this.whole, modeOf(world)) });
     const elapsed = Math.min(0.1, (now - this.drawnAt) / 1000);
     this.drawnAt = now;
     this.orbit.glide(elapsed);
@@ -139,27 +137,37 @@ export class Scene {
     if (!context) return;
     const colours = palette();
     context.setTransform(density, 0, 0, density, 0, 0);
+    const parts = panes(camera, world, this.whole);
     if (solid) {
       context.clearRect(0, 0, width, height);
       this.pace.note(now);
       resize(this.solidCanvas, width, height, this.pace.density);
-      solid.draw(camera, world, robot, colours);
-      axes(context, camera, colours, false);
-    } else {
-      this.flat.draw(context, camera, world, robot, colours, density);
+      solid.draw(parts, robot, colours);
     }
-    if (world.arm) this.drawSigns(context, world, colours);
+    for (const part of parts) this.drawPart(context, part, robot, colours, density);
+    drawNames(context, parts, this.whole, world.ghosts, colours);
     this.drawings += 1;
     canvas.dataset.drawings = String(this.drawings);
   }
 
-  /** Draws what is not a body: springs, distances, targets and forces. @type {(context: CanvasRenderingContext2D, world: World, colours: Palette) => void} */
-  drawSigns(context, world, colours) {
-    const { camera } = this;
+  /** Draws signs, and without WebGL the bodies, in one part of the picture. @type {(context: CanvasRenderingContext2D, part: import('./compare.js').Pane, robot: import('./types.js').Robot | null, colours: Palette, density: number) => void} */
+  drawPart(context, { camera, world, from, to }, robot, colours, density) {
+    context.save();
+    context.beginPath();
+    context.rect(from, 0, to - from, camera.height);
+    context.clip();
+    if (this.solid) axes(context, camera, colours, false);
+    else this.flat.draw(context, camera, world, robot, colours, density);
+    if (world.arm) this.drawSigns(context, camera, world, colours);
+    context.restore();
+  }
+
+  /** Draws what is not a body: springs, distances, targets and forces. @type {(context: CanvasRenderingContext2D, camera: Camera, world: World, colours: Palette) => void} */
+  drawSigns(context, camera, world, colours) {
     world.contacts.filter(({ isWall }) => !isWall).forEach((contact) => spring(context, camera, contact, world, colours));
     if (world.room) drawPairs(context, camera, world.room.pairs, colours);
     if (world.signs) drawSigns(context, camera, world.signs, colours);
-    if (this.solid && world.ghost && world.wipe < 1) drawLine(context, camera, world.wipe, world.methods, colours);
+    drawTargets(context, camera, world.ghosts, colours);
     target(context, camera, world, colours);
     forces(context, camera, world, colours);
   }

@@ -20,13 +20,13 @@ import { fromText, toText } from './shared_state.js';
  * @property {string} scenario
  * @property {Method} method
  * @property {Solver} solver
- * @property {Method | ''} ghost method of the second arm
+ * @property {Method[]} ghosts methods of the arms that run the same for comparison
  * @property {number} speed simulated seconds per second
  * @property {number | null} lag of the arm's velocity loop, s; null: as in the scenario
  * @property {Record<string, number[]>} gains changed gains, by `task.gain`
  * @property {Record<string, number>} stiffness changed stiffness of contacts, by index, N/m
  * @property {string} robot robot of the playground; empty in the other scenarios
- * @property {'' | 'eight'} motion of the target of the playground
+ * @property {'' | 'eight' | 'recorded'} motion of the target of the playground; `recorded`: as in a recording
  * @property {import('./presets.js').Press | null} press what the tool of the playground does instead
  * @property {number[]} order order of the tasks as indices, highest priority first; empty: as in the scenario
  * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
@@ -54,6 +54,12 @@ export const SOLVERS = [
 /** Name of the scenario that the page makes for any robot. */
 export const PLAYGROUND = 'playground';
 
+/** Maximum number of ghosts with a method: the service runs four simulations at a time. */
+export const MAX_GHOSTS = 3;
+
+/** Maximum number of control periods of all runs of the page: the service keeps 250 000 of all its runs. */
+const MAX_PERIODS = 240_000;
+
 /** @type {Gain[]} */
 export const GAINS = ['inertia', 'damping', 'stiffness'];
 
@@ -68,7 +74,7 @@ export function defaults(scenario) {
     scenario: scenario.name,
     method: scenario.controller.method ?? 'reverse_priority',
     solver: scenario.controller.solver ?? 'auto',
-    ghost: '',
+    ghosts: [],
     speed: 1,
     lag: null,
     gains: {},
@@ -86,10 +92,10 @@ export function defaults(scenario) {
 /** Returns the setup of a newly chosen scenario. It keeps what the user chose, but not what the scenario before chose. @type {(scenario: Scenario, before: Setup, old: Scenario | null) => Setup} */
 export function forScenario(scenario, before, old) {
   const setup = defaults(scenario);
-  const { ghost, speed } = before;
+  const { ghosts, speed } = before;
   const method = old && before.method !== defaults(old).method ? before.method : setup.method;
   const solver = old && before.solver !== defaults(old).solver ? before.solver : setup.solver;
-  return { ...setup, method, solver, ghost, speed };
+  return { ...setup, method, solver, ghosts, speed };
 }
 
 /**
@@ -162,8 +168,10 @@ function moved(targets) {
   };
 }
 
-/** @type {(scenario: Scenario, setup: Setup, method: Method, paused: boolean) => SimulationRequest} */
-export function request(scenario, { solver, speed }, method, paused) {
+/** Returns the request of one of several runs; long ones are shortened so that the service can keep all. @type {(scenario: Scenario, setup: Setup, method: Method, paused: boolean, runs: number) => SimulationRequest} */
+export function request(given, { solver, speed }, method, paused, runs) {
+  const longest = (MAX_PERIODS / runs) * (given.controller.period_s ?? 0.001);
+  const scenario = given.duration_s > longest ? { ...given, duration_s: longest } : given;
   return { scenario, method, solver, interactive: { speed, paused } };
 }
 
@@ -171,14 +179,15 @@ export function request(scenario, { solver, speed }, method, paused) {
 export function toFragment(setup, scenario) {
   const unchanged = defaults(scenario);
   const text = new URLSearchParams({ scenario: setup.scenario });
-  for (const key of /** @type {const} */ (['method', 'solver', 'ghost', 'speed'])) {
+  for (const key of /** @type {const} */ (['method', 'solver', 'speed'])) {
     if (setup[key] !== unchanged[key]) text.set(key, String(setup[key]));
   }
+  if (setup.ghosts.length > 0) text.set('ghost', setup.ghosts.join(','));
   const more = toText(setup);
   if (more) text.set('state', more);
   if (setup.lag !== null) text.set('lag', String(setup.lag));
   if (setup.robot) text.set('robot', setup.robot);
-  if (setup.motion) text.set('motion', setup.motion);
+  if (setup.motion === 'eight') text.set('motion', setup.motion);
   if (setup.press) text.set('press', pressText(setup.press));
   if (setup.order.length > 0) text.set('order', setup.order.join(','));
   for (const [key, values] of Object.entries(setup.gains)) text.set(key, values.join(','));
@@ -200,7 +209,8 @@ export function fromFragment(fragment, scenarios) {
   const known = (/** @type {{value: string}[]} */ words, /** @type {string | null} */ word) =>
     words.some(({ value }) => value === word);
   if (known(METHODS, text.get('method'))) setup.method = /** @type {Method} */ (text.get('method'));
-  if (known(METHODS, text.get('ghost'))) setup.ghost = /** @type {Method} */ (text.get('ghost'));
+  const ghosts = (text.get('ghost') ?? '').split(',', 10 * MAX_GHOSTS).filter((word) => known(METHODS, word));
+  setup.ghosts = /** @type {Method[]} */ ([...new Set(ghosts)].slice(0, MAX_GHOSTS));
   if (known(SOLVERS, text.get('solver'))) setup.solver = /** @type {Solver} */ (text.get('solver'));
   if (setup.robot) setup.press = pressFrom(text.get('press'));
   if (text.get('motion') === 'eight' && setup.robot && !setup.press) setup.motion = 'eight';

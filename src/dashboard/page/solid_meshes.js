@@ -14,6 +14,10 @@ import { cross, norm, scale, sub, unit, add } from './geometry.js';
 const CELLS = 8;
 const LINE = 0.004;
 
+/** Length of a dash and of a gap of a dashed ribbon, px. */
+const DASH = 6;
+const GAP = 4;
+
 /** Rings of the sphere. */
 const RINGS = 18;
 
@@ -88,8 +92,11 @@ export function ribbon(points, camera, width, isDashed) {
     const half = scale(across, (0.5 * width) / camera.project(point).scale);
     return [add(point, half), sub(point, half)];
   });
+  const spots = isDashed ? points.map((point) => camera.project(point)) : [];
+  let length = 0;
   for (let i = 0; i + 1 < sides.length; i += 1) {
-    if (isDashed && i % 8 > 4) continue;
+    if (isDashed) length += Math.hypot(spots[i + 1].x - spots[i].x, spots[i + 1].y - spots[i].y);
+    if (isDashed && length % (DASH + GAP) > DASH) continue;
     const [[a, b], [c, d]] = [sides[i], sides[i + 1]];
     places.push(...a, ...b, ...d, ...a, ...d, ...c);
   }

@@ -2,6 +2,7 @@
 
 import { modelOf } from './any_model.js';
 import { axisOf } from './arm.js';
+import { hexOf } from './ghost_curves.js';
 import { add, dot, perpendiculars, scale, sub } from './geometry.js';
 import { along, transform } from './matrices.js';
 import { IDENTITY } from './rotation.js';
@@ -9,11 +10,11 @@ import { BOX, CYLINDER, SPHERE, flatMesh, grid, ribbon, square } from './solid_m
 import { AXIS, wallCenter } from './surroundings.js';
 import { areDrawable, placedParts } from './visuals.js';
 import { Renderer } from './webgl.js';
-import { lineOf } from './wipe.js';
 
 /**
  * @typedef {import('./types.js').Vec3} Vec3
  * @typedef {import('./types.js').Robot} Robot
+ * @typedef {import('./compare.js').Pane} Pane
  * @typedef {import('./geometry.js').Camera} Camera
  * @typedef {import('./kinematics.js').Kinematics} Kinematics
  * @typedef {import('./scene.js').World} World
@@ -52,12 +53,17 @@ export class SolidScene {
     this.redraw = () => {};
   }
 
-  /** @type {(camera: Camera, world: World, robot: Robot | null, colours: Palette) => void} */
-  draw(camera, world, robot, colours) {
-    const isParted = world.ghost !== null && world.wipe < 1;
+ /** Draws the parts of the picture. @type {(parts: Pane[], robot: Robot | null, colours: Palette) => void} */
+  draw(parts, robot, colours) {
+    this.redraw = () => this.draw(parts, robot, colours);
+    for (const part of parts) this.drawPart(part, robot, colours);
+  }
+
+  /** @type {(part: Pane, robot: Robot | null, colours: Palette) => void} */
+  drawPart({ camera, world, from, to }, robot, colours) {
     const items = [
       ...armItems(world, robot, colours),
-      ...(isParted ? [] : ghostItems(world.kinematics, world.ghost?.position ?? [], linearOf(colours.ghost))),
+      ...world.ghosts.flatMap(({ position, colour }) => ghostItems(world.kinematics, position, linearOf(hexOf(colours, colour)))),
       ...ghostItems(world.kinematics, world.swung ?? [], linearOf(colours.axes[2])),
       ...world.contacts.filter(({ isWall }) => isWall).flatMap((contact) => wallItems(contact, world, colours)),
       ...roomItems(camera, world, colours),
@@ -65,14 +71,7 @@ export class SolidScene {
       ...axisItems(camera, colours),
     ];
     const reach = camera.size;
-    this.redraw = () => this.draw(camera, world, robot, colours);
-    this.renderer.draw(camera, items, colours.look, [0, 0, 0.45 * reach], reach);
-    if (!isParted || !world.ghost) return;
-    const other = { ...world, position: world.ghost.position, atLimit: [], ghost: null, history: world.ghost.history };
-    const others = [
-      ...armItems(other, robot, colours), ...items.filter(({ opacity = 1 }) => opacity < 1), ...pathItems(camera, other, colours), ...axisItems(camera, colours),
-    ];
-    this.renderer.draw(camera, others, colours.look, [0, 0, 0.45 * reach], reach, lineOf(camera, world.wipe) / camera.width);
+    this.renderer.draw(camera, items, colours.look, [0, 0, 0.45 * reach], reach, [from / camera.width, to / camera.width]);
   }
 }
 
@@ -164,10 +163,10 @@ function axisItems(camera, colours) {
 }
 
 /** @type {(camera: Camera, world: World, colours: Palette) => Item[]} */
-function pathItems(camera, { history, until, ghost }, colours) {
+function pathItems(camera, { history, until, ghosts, colour }, colours) {
   const world = transform(BASE);
-  /** @type {(of: import('./history.js').History, hex: string, isDashed: boolean) => Item[]} */
-  const path = (of, hex, isDashed) => {
+  /** @type {(of: import('./recording.js').Path, until: number | null, hex: string, isDashed: boolean) => Item[]} */
+  const path = (of, until, hex, isDashed) => {
     const { columns } = of;
     const end = until === null ? of.length : of.indexAt(until) + 1;
     const step = Math.max(1, Math.ceil(end / PATH_POINTS));
@@ -177,6 +176,6 @@ function pathItems(camera, { history, until, ghost }, colours) {
     if (points.length < 2) return [];
     return [{ mesh: ribbon(points, camera, PATH_WIDTH, isDashed), world, colour: shownOf(hex), plain: true }];
   };
-  return [...path(history, colours.accent, false), ...(ghost ? path(ghost.history, colours.ghost, true) : [])];
+  return [...path(history, until, colour === undefined ? colours.accent : hexOf(colours, colour), false), ...ghosts.flatMap((ghost) => path(ghost.history, ghost.until, hexOf(colours, ghost.colour), true))];
 }
 

@@ -60,10 +60,10 @@ let isSending = false;
 /** @type {{task: Task, pose: Pose} | null} */
 let waiting = null;
 
-/** Sends a target to the run and its ghost, after the one before it. @type {(runControl: RunControl, task: Task, pose: Pose) => void} */
+/** Sends a target to the run and its ghosts, after the one before it. @type {(runControl: RunControl, task: Task, pose: Pose) => void} */
 export function sendTarget(runControl, task, pose) {
   if (!runControl.isActive) return;
-  for (const run of [runControl.run, runControl.ghost]) {
+  for (const run of [runControl.run, ...runControl.ghosts]) {
     const { history } = run ?? {};
     history?.measures?.streamed.push({ task: task.name, time: history.now - history.offset, pose });
   }

@@ -11,6 +11,7 @@
  * @property {string} ground background of the scene, bottom
  * @property {string[]} axes curves of x, y, z; also of the tasks, highest first
  * @property {string} ghost
+ * @property {string[]} ghosts one colour for each ghost; the first is `ghost`
  * @property {string} goal the target in the scene
  * @property {string} alarm active limits, warnings
  * @property {string} allowed allowed ranges
@@ -32,6 +33,7 @@ const LIGHT = {
   ground: '#dfe6ee',
   axes: ['#0072b2', '#d55e00', '#009e73'],
   ghost: '#b5568f',
+  ghosts: ['#b5568f', '#00838f', '#8a6d00', '#5a6b7d', '#8d5a3c', '#4a7d1f'],
   goal: '#8a3ffc',
   alarm: '#d55e00',
   allowed: '#b9d4e8',
@@ -56,6 +58,7 @@ const DARK = {
   ground: '#0d1218',
   axes: ['#56b4e9', '#e69f00', '#2fc79b'],
   ghost: '#df94bd',
+  ghosts: ['#df94bd', '#4dd0e1', '#e3c565', '#b3c0cf', '#d3a58a', '#a5cf7a'],
   goal: '#be95ff',
   alarm: '#ff7f2a',
   allowed: '#29506b',

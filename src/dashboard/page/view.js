@@ -1,7 +1,9 @@
 // The data that the plots and numbers show: the latest sample, or the sample at the cursor.
 
+import { colourOf } from './ghost_curves.js';
 import { residualParts } from './goals.js';
 import { jointLabels } from './labels.js';
+import { methodName } from './setup.js';
 
 /**
  * @typedef {import('./run_control.js').RunControl} RunControl
@@ -15,7 +17,7 @@ import { jointLabels } from './labels.js';
  *
  * @typedef {object} View
  * @property {History} history
- * @property {History | null} ghost
+ * @property {{history: import('./recording.js').Path, colour: number, name: string}[]} ghosts curves of other arms; `colour`: index in `Palette.ghosts`
  * @property {number} duration of the run, s; 0 if it has no end
  * @property {number | null} cursor time that is shown instead of the latest one, s
  * @property {LiveSample | undefined} sample the shown sample
@@ -56,8 +58,13 @@ function shownSigma({ history, cursor, kinematics, scenario, watch }) {
 
 /** Returns the posture that the page shows. @type {(runControl: RunControl) => ArmView | null} */
 export function shownArm(runControl) {
-  const { cursor, history, watch, run } = runControl;
-  if (cursor !== null && history.arms.length > 0) return history.armAt(cursor);
+  const { cursor, history, watch, run, kinematics, robot } = runControl;
+  if (cursor !== null && history.arms.length > 0) {
+    const near = history.armAt(cursor);
+    const sample = shownSample(runControl);
+    // Samples are denser than postures of the service.
+    return near && sample && kinematics && kinematics.robot === robot?.name ? kinematics.armAt(near, sample.joint_position) : near;
+  }
   if (watch) return watch.step?.arm ?? null;
   return run?.frame?.arm ?? runControl.preview;
 }
@@ -65,6 +72,13 @@ export function shownArm(runControl) {
 /** Returns the controller of the run, of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
 export function shownController({ watch, running, applied, pastScenario }) {
   return watch?.session.controller ?? (pastScenario ?? running ?? applied)?.controller;
+}
+
+/** @type {(runControl: RunControl) => View['ghosts']} */
+function curvesOf({ ghosts, recordings, robot, kinematics, watch }) {
+  const runs = ghosts.map(({ history, simulation }) => ({ history, colour: colourOf(`method:${simulation.method}`), name: methodName(simulation.method) }));
+  const shown = recordings.filter((recording) => !watch && kinematics && kinematics.robot === robot?.name && recording.robot === robot.name);
+  return [...runs, ...shown.map((recording) => ({ history: recording.path(/** @type {import('./kinematics.js').Kinematics} */ (kinematics)), colour: colourOf(recording.id), name: recording.name }))];
 }
 
 /** @type {(runControl: RunControl) => View} */
@@ -84,7 +98,7 @@ export function view(runControl) {
   };
   return {
     history,
-    ghost: runControl.ghost?.history ?? null,
+    ghosts: curvesOf(runControl),
     duration: watch ? 0 : (scenario ? history.offset + scenario.duration_s : 0),
     cursor,
     sample,

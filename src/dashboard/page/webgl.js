@@ -61,8 +61,8 @@ export class Renderer {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** Draws the picture, or its part from `left` on, 0 to 1. @type {(camera: Camera, items: Item[], look: Look, center: Vec3, reach: number, left?: number) => void} */
-  draw(camera, items, look, center, reach, left = 0) {
+  /** Draws the picture, or the part between two places across, 0 to 1. @type {(camera: Camera, items: Item[], look: Look, center: Vec3, reach: number, span?: [number, number]) => void} */
+  draw(camera, items, look, center, reach, [from, to] = [0, 1]) {
     const { gl } = this;
     gl.disable(gl.SCISSOR_TEST);
     const shade = lightProjection(LIGHT, center, 1.25 * reach);
@@ -70,9 +70,10 @@ export class Renderer {
     this.drawShadows(items.filter(({ castsShadow }) => castsShadow), shade);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
-    if (left > 0) {
+    if (from > 0 || to < 1) {
+      const [left, right] = [from, to].map((part) => Math.round(part * gl.drawingBufferWidth));
       gl.enable(gl.SCISSOR_TEST);
-      gl.scissor(Math.round(left * gl.drawingBufferWidth), 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+      gl.scissor(left, 0, Math.max(0, right - left), gl.drawingBufferHeight);
     }
     gl.clear(gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT);
     this.drawSky(look);

@@ -2,15 +2,16 @@
 
 import { axisOf, vec } from './arm.js';
 import { add, dot, scale, sub, unit } from './geometry.js';
+import { ghostsOf } from './ghosts.js';
 import { hasForces } from './goals.js';
 import { positionAt, timeToShow } from './playback.js';
 import { jointLabels } from './labels.js';
 import { room } from './room.js';
+import { methodName } from './setup.js';
 import { state } from './state.js';
 import { handle } from './target.js';
 import { signsOf } from './signs.js';
 import { swungPosition } from './swing.js';
-import { wipeOf } from './wipe.js';
 import { shownArm, shownController, shownSample } from './view.js';
 
 /**
@@ -23,7 +24,7 @@ import { shownArm, shownController, shownSample } from './view.js';
 
 /** Returns the data of the scene; `now`: real time for even motion between samples, s; null: at the samples. @type {(runControl: RunControl, now?: number | null) => World} */
 export function world(runControl, now = null) {
-  const { history, ghost, cursor, watch, visuals, robot } = runControl;
+  const { history, cursor, watch, visuals, robot } = runControl;
   const kinematics = runControl.kinematics?.robot === robot?.name ? runControl.kinematics : null;
   const position = shownPosition(runControl, now);
   const known = shownArm(runControl);
@@ -34,7 +35,6 @@ export function world(runControl, now = null) {
   const tool = vec(arm?.tool.position ?? [0, 0, 0]);
   const distance = sample?.wall_distance_m ?? null;
   const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
-  const ghostArm = cursor === null ? ghost?.frame?.arm : ghost?.history.armAt(cursor);
   const goal = handle(runControl);
   const contacts = [
     ...(scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance)),
@@ -52,13 +52,12 @@ export function world(runControl, now = null) {
     force: vec(sample?.force ?? [0, 0, 0]),
     target: sample?.target_force ?? [null, null, null],
     push: vec(cursor === null ? (runControl.run?.frame?.external_force ?? [0, 0, 0]) : [0, 0, 0]),
-    ghost: ghost && ghostArm ? { arm: ghostArm, history: ghost.history, position: ghostPosition(runControl, now) } : null,
+    ghosts: ghostsOf(runControl, now),
     goal,
     room: room(runControl),
     visuals: robot && visuals.get(robot.name) || null,
     position,
-    wipe: wipeOf(runControl),
-    methods: [runControl.run?.simulation.method ?? '', ghost?.simulation.method ?? ''],
+    name: methodName(runControl.run?.simulation.method ?? runControl.setup?.method ?? ''),
     swung: kinematics && robot ? swungPosition(kinematics, robot, position, performance.now() / 1000) : null,
     kinematics,
     moves: Boolean(runControl.setup?.motion) && !watch,
@@ -71,15 +70,6 @@ function shownPosition(runControl, now) {
   const isEven = now !== null && cursor === null && !watch && state.value.phase === 'running';
   const even = isEven ? positionAt(history, timeToShow(history, runControl.setup?.speed ?? 1, now)) : null;
   return even ?? shownSample(runControl)?.joint_position ?? (watch ? [] : (applied?.start_joint_position ?? []));
-}
-
-/** Returns the shown posture of the ghost, rad or m. @type {(runControl: RunControl, now: number | null) => number[]} */
-function ghostPosition({ ghost, cursor, setup }, now) {
-  if (!ghost) return [];
-  const { history } = ghost;
-  if (cursor !== null) return history.samples[Math.max(0, history.indexAt(cursor))]?.joint_position ?? [];
-  const isEven = now !== null && state.value.phase === 'running';
-  return (isEven ? positionAt(history, timeToShow(history, setup?.speed ?? 1, now)) : history.last?.joint_position) ?? [];
 }
 
 /** Returns whether the page shows forces. @type {(runControl: RunControl) => boolean} */

@@ -2,6 +2,9 @@
 
 use super::{Matrix, dot};
 
+/// Maximum number of steps. About four are needed, more for roots that coincide.
+const MAX_STEPS: usize = 100;
+
 /// The singular values of a matrix, in memory that is used again.
 ///
 /// Reflections from both sides turn the matrix into a bidiagonal one. Its singular values σ are the eigenvalues ±σ of a
@@ -59,20 +62,52 @@ impl SingularValues {
     }
 
     /// Returns the smallest singular value; 0 for a matrix without rows.
+    ///
+    /// Laguerre's iteration for σ², from below, where it never passes the smallest root and converges cubically to a single one.
     pub fn smallest(&self) -> f64 {
-        let rounding = 0.1 * f64::EPSILON * self.squares.iter().sum::<f64>().sqrt();
-        // No singular value of a triangle is below all of its diagonal.
-        let least = self.squares.iter().step_by(2).fold(f64::INFINITY, |least, square| least.min(*square)).sqrt();
-        let (mut low, mut high) = (0.0, if self.count == 0 { 0.0 } else { least });
-        while high - low > rounding.max(f64::EPSILON * high) {
-            let middle = f64::midpoint(low, high);
-            if self.count_from(middle * self.unit) < self.count {
-                high = middle;
-            } else {
-                low = middle;
+        if self.squares.iter().step_by(2).any(|square| *square == 0.0) {
+            return 0.0;
+        }
+        let n = self.count as f64;
+        let mut below = 0.0;
+        for _ in 0..MAX_STEPS {
+            let Some((g, h)) = self.log_derivatives(below) else { break };
+            let step = n / (g + ((n - 1.0) * (n * h - g * g)).max(0.0).sqrt());
+            below += step;
+            // Of a single root, the next distance is about the distance times the square of what g²/h is off.
+            if step * (g * g / h - 1.0).powi(2) <= 1e-17 * below || step <= 1e-16 * below {
+                break;
             }
         }
-        high * self.unit
+        below.sqrt() * self.unit
+    }
+
+    /// Returns Σ 1/(σ_i² − x) and Σ 1/(σ_i² − x)²; `None` where x exceeds the smallest σ².
+    ///
+    /// They are derivatives of the logarithms of the pivots of BᵀB − x I for the bidiagonal matrix B, in differential form (dqds), with
+    /// terms of one sign each.
+    fn log_derivatives(&self, x: f64) -> Option<(f64, f64)> {
+        let (mut g, mut h) = (0.0, 0.0);
+        // The pivot without the square beside it, with the amounts of its derivatives, which are negative.
+        let (mut rest, mut slope, mut curvature) = (self.squares.first()? - x, 1.0, 0.0);
+        for i in 0..self.count {
+            let beside = self.squares.get(2 * i + 1).copied().unwrap_or(0.0);
+            let pivot = rest + beside;
+            if !(pivot > 0.0) {
+                return None;
+            }
+            let reciprocal = 1.0 / pivot;
+            let first = slope * reciprocal;
+            g += first;
+            h += first * first + curvature * reciprocal;
+            let Some(next) = self.squares.get(2 * i + 2) else { break };
+            let ratio = next * reciprocal;
+            let share = beside * reciprocal;
+            curvature = ratio * share * (curvature + 2.0 * slope * first);
+            slope = ratio * share * slope + 1.0;
+            rest = ratio * rest - x;
+        }
+        Some((g, h))
     }
 
     /// Returns the product; 1 for a matrix without rows.

@@ -90,9 +90,12 @@ impl StrictTargets {
         let norm = task.jacobian.norm();
         self.project(task, &chain.kept);
         let rows = &self.rows;
-        self.svd.decompose(m, n, |i, j| rows[i * n + j]);
+        let least = TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm;
+        // Rows that depend on the tasks above have no singular value to look for.
+        let depends = length(rows) <= least;
+        self.svd.decompose(if depends { 0 } else { m }, n, |i, j| rows[i * n + j]);
         let open = self.svd.count().min(n - chain.kept.len() / n);
-        let rank = self.svd.rank(TOLERANCES.rank.max(TOLERANCES.reflection_error / chain.weakest) * norm).min(open);
+        let rank = self.svd.rank(least).min(open);
         let lambda = damping.factor(if open == 0 { 0.0 } else { self.svd.sigma(open - 1) });
         self.acts |= lambda > 0.0;
         let kkt_residual = self.step(chain, task, target, rank, lambda);

@@ -11,7 +11,7 @@ mod pairs;
 mod placed;
 
 pub use self::build::{CollisionError, MAX_CAPSULES};
-pub use self::fit::{FitError, FittedCapsule, FittedShapes, MeshDirectory, MeshError, Triangle};
+pub use self::fit::{ColladaError, FitError, FittedCapsule, FittedShapes, MeshDirectory, MeshError, Triangle};
 pub use self::gradient::BodyPoint;
 pub use self::lever::{Levers, last_common, levers};
 pub use self::placed::PlacedBody;

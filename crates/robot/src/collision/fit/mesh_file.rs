@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use mesh_loader::Loader;
 use nalgebra::Vector3;
 
+use super::collada::{self, ColladaError};
 use super::fitted_capsule::Triangle;
 
 /// Largest number of triangles of a mesh.
-const MAX_TRIANGLES: usize = 2_000_000;
+pub const MAX_TRIANGLES: usize = 2_000_000;
 
 /// Where the files are that a URDF text names.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,8 +38,18 @@ pub enum MeshError {
         /// What is wrong.
         source: std::io::Error,
     },
+    /// The file is no COLLADA file that this crate reads.
+    #[error("cannot read the mesh {path}: {source}; convert it to STL, or state capsules for its link in `shape_list`")]
+    Collada {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: ColladaError,
+    },
     /// The file has another format.
-    #[error("the mesh {path} is neither .stl nor .obj; convert it, or state capsules for its link in `shape_list`")]
+    #[error(
+        "the mesh {path} is neither .stl, .obj nor .dae; convert it, or state capsules for its link in `shape_list`"
+    )]
     Format {
         /// The file.
         path: PathBuf,
@@ -66,21 +77,14 @@ impl MeshDirectory {
     /// Reads the triangles of a file, m, with coordinates multiplied by `scale`.
     pub fn read(&self, name: &str, scale: &Vector3<f64>) -> Result<Vec<Triangle>, MeshError> {
         let path = self.find(name).ok_or_else(|| MeshError::NotFound { name: name.to_owned() })?;
-        let is_read =
-            |ending: &std::ffi::OsStr| ending.eq_ignore_ascii_case("stl") || ending.eq_ignore_ascii_case("obj");
-        if !path.extension().is_some_and(is_read) {
-            return Err(MeshError::Format { path });
-        }
-        let scene = Loader::default().load(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?;
-        let corner = |point: [f32; 3]| Vector3::from(point.map(f64::from)).component_mul(scale);
-        let mut triangles = Vec::new();
-        for mesh in &scene.meshes {
-            for face in &mesh.faces {
-                let corners = face.map(|index| usize::try_from(index).ok().and_then(|k| mesh.vertices.get(k)));
-                if let [Some(a), Some(b), Some(c)] = corners {
-                    triangles.push([*a, *b, *c].map(corner));
-                }
-            }
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let mut triangles = match ending.as_str() {
+            "stl" | "obj" => load(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?,
+            "dae" => read_collada(&path)?,
+            _ => return Err(MeshError::Format { path }),
+        };
+        for corner in triangles.iter_mut().flatten() {
+            corner.component_mul_assign(scale);
         }
         let is_finite = triangles.iter().flatten().all(|point| point.iter().all(|entry| entry.is_finite()));
         let is_sound = is_finite && (1..=MAX_TRIANGLES).contains(&triangles.len());
@@ -99,4 +103,24 @@ impl MeshDirectory {
         let own = self.packages.iter().filter(|directory| directory.ends_with(package)).map(|own| own.join(rest));
         inside.chain(own).find(|path| path.is_file())
     }
+}
+
+/// Reads an STL or OBJ file.
+fn load(path: &Path) -> std::io::Result<Vec<Triangle>> {
+    let scene = Loader::default().load(path)?;
+    let mut triangles = Vec::new();
+    for mesh in &scene.meshes {
+        for face in &mesh.faces {
+            let corners = face.map(|index| usize::try_from(index).ok().and_then(|k| mesh.vertices.get(k)));
+            if let [Some(a), Some(b), Some(c)] = corners {
+                triangles.push([*a, *b, *c].map(|point| Vector3::from(point.map(f64::from))));
+            }
+        }
+    }
+    Ok(triangles)
+}
+
+fn read_collada(path: &Path) -> Result<Vec<Triangle>, MeshError> {
+    let text = std::fs::read_to_string(path).map_err(|source| MeshError::Read { path: path.to_owned(), source })?;
+    collada::read(&text).map_err(|source| MeshError::Collada { path: path.to_owned(), source })
 }

@@ -1,6 +1,7 @@
 //! Capsules that contain bodies.
 
 mod capsule;
+mod collada;
 mod fitted_capsule;
 mod mesh_file;
 mod primitive;
@@ -10,6 +11,7 @@ use std::path::PathBuf;
 
 use nalgebra::Vector3;
 
+pub use self::collada::ColladaError;
 pub use self::fitted_capsule::{FittedCapsule, Triangle};
 pub use self::mesh_file::{MeshDirectory, MeshError};
 use crate::shape::{LinkCapsule, Segment};

@@ -198,7 +198,10 @@ fn a_mesh_is_found_beside_the_file_and_in_packages_and_contained() {
         Err(MeshError::Triangles { .. } | MeshError::Read { .. })
     ));
     std::fs::write(meshes.join("scene.dae"), "<COLLADA/>").unwrap();
-    assert!(matches!(files.read("package://arm_description/meshes/scene.dae", &one), Err(MeshError::Format { .. })));
+    std::fs::write(meshes.join("scene.glb"), "").unwrap();
+    let read = |name: &str| files.read(&format!("package://arm_description/meshes/{name}"), &one);
+    assert!(matches!(read("scene.dae"), Err(MeshError::Triangles { .. })));
+    assert!(matches!(read("scene.glb"), Err(MeshError::Format { .. })));
     assert!(matches!(files.read("package://arm_description/meshes/none.stl", &one), Err(MeshError::NotFound { .. })));
     std::fs::remove_dir_all(&directory).unwrap();
 }

@@ -1,0 +1,113 @@
+//! Two geometries in a scene: what is placed where, and what is refused.
+
+use nalgebra::Vector3;
+
+use super::{ColladaError, read};
+
+/// A file with this scene. Its unit is 10 mm; `square` has the corners (0, 0), (1, 0), (1, 1), (0, 1) at z = 0.
+fn file(primitive: &str, scene: &str) -> String {
+    format!(
+        r##"<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+        <asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+        <library_geometries><geometry id="square"><mesh>
+          <source id="corners"><float_array id="list" count="17">9 0 0 0 8 1 0 0 8 1 1 0 8 0 1 0 8</float_array>
+            <technique_common><accessor source="#list" count="4" stride="4" offset="1"/></technique_common></source>
+          <vertices id="points"><input semantic="POSITION" source="#corners"/></vertices>
+          {primitive}
+        </mesh></geometry></library_geometries>
+        <library_nodes><node id="other"><translate>0 0 5</translate><instance_geometry url="#square"/></node>
+          <node id="again"><instance_node url="#again"/></node></library_nodes>
+        <library_visual_scenes><visual_scene id="all">{scene}</visual_scene></library_visual_scenes>
+        <scene><instance_visual_scene url="#all"/></scene></COLLADA>"##
+    )
+}
+
+const POLYGON: &str = r##"<polylist count="1"><input semantic="VERTEX" source="#points" offset="1"/>
+    <input semantic="NORMAL" source="#none" offset="0"/><vcount>4</vcount><p>7 0 7 1 7 2 7 3</p></polylist>"##;
+
+const PLAIN: &str = r##"<node><instance_geometry url="#square"/></node>"##;
+
+/// Returns the corners in their order, m.
+fn corners(text: &str) -> Vec<Vector3<f64>> {
+    read(text).unwrap().into_iter().flatten().collect()
+}
+
+#[test]
+fn every_kind_of_primitive_gives_the_same_square() {
+    let input = r##"<input semantic="VERTEX" source="#points" offset="0"/>"##;
+    for primitive in [
+        POLYGON.to_owned(),
+        format!("<triangles>{input}<p>0 1 2 0 2 3</p></triangles>"),
+        format!("<trifans>{input}<p>0 1 2 3</p></trifans>"),
+        format!("<tristrips>{input}<p>1 2 0 3</p></tristrips>"),
+        format!("<polygons>{input}<p>0 1 2</p><ph><p>0 2 3</p></ph></polygons>"),
+        format!(
+            "<lines>{input}<p>0 1</p></lines><triangles>{input}<p>0 1 2</p></triangles><triangles>{input}<p>0 2 3</p></triangles>"
+        ),
+    ] {
+        let triangles = read(&file(&primitive, PLAIN)).unwrap();
+        let area = triangles.iter().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum::<f64>();
+        assert_eq!(triangles.len(), 2, "{primitive}");
+        assert!((area - 1e-4).abs() < 1e-18, "{primitive}: {area}");
+    }
+}
+
+#[test]
+fn nodes_place_their_geometry_as_often_as_they_name_it() {
+    let scene = r##"<node><translate>1 0 0</translate><rotate>0 0 1 90</rotate>
+        <node><scale>2 2 2</scale><instance_geometry url="#square"/></node>
+        <node><matrix>1 0 0 0  0 1 0 0  0 0 1 3  0 0 0 1</matrix><instance_geometry url="#square"/></node>
+        <instance_node url="#other"/></node>"##;
+    let seconds: Vec<Vector3<f64>> = corners(&file(POLYGON, scene)).into_iter().skip(1).step_by(6).collect();
+    // The second corner of the square, (1, 0, 0), turned to y, scaled, moved and in metres.
+    let expected =
+        [[1.0, 2.0, 0.0], [1.0, 1.0, 3.0], [1.0, 1.0, 5.0]].map(|point: [f64; 3]| 0.01 * Vector3::from(point));
+    assert_eq!(seconds.len(), expected.len());
+    for (point, expected) in seconds.iter().zip(expected) {
+        assert!((point - expected).norm() < 1e-15, "{point} {expected}");
+    }
+}
+
+#[test]
+fn a_file_without_a_scene_gives_all_geometries() {
+    let text = file(POLYGON, "");
+    let (start, _) = text.split_once("<library_nodes>").unwrap();
+    assert_eq!(read(&format!("{start}</COLLADA>")).unwrap().len(), 2);
+    assert_eq!(read("<COLLADA/>").unwrap().len(), 0);
+}
+
+#[test]
+fn what_could_stand_elsewhere_is_refused() {
+    let refused = |primitive: &str, scene: &str| read(&file(primitive, scene)).unwrap_err();
+    let unsupported = |name: &str| ColladaError::Unsupported(name.to_owned());
+    assert_eq!(refused(POLYGON, "<node><skew>1 0 0 0 1 0 0</skew></node>"), unsupported("skew"));
+    assert_eq!(
+        refused(POLYGON, r##"<node><instance_controller url="#x"/></node>"##),
+        unsupported("instance_controller")
+    );
+    assert_eq!(refused(POLYGON, r##"<node><instance_node url="#again"/></node>"##), ColladaError::TooLarge);
+    let elsewhere = refused(POLYGON, r##"<node><instance_geometry url="other.dae#square"/></node>"##);
+    assert!(matches!(elsewhere, ColladaError::Reference { .. }), "{elsewhere}");
+    for transform in ["<matrix>1 2</matrix>", "<translate>a b c</translate>", "<rotate>0 0 0 90</rotate>"] {
+        let error = refused(POLYGON, &format!("<node>{transform}</node>"));
+        assert!(matches!(error, ColladaError::Numbers(_)), "{error}");
+    }
+    let far = POLYGON.replace("7 3<", "7 4<");
+    assert_eq!(refused(&far, PLAIN), ColladaError::Corner { index: 4, count: 4 });
+    let short = POLYGON.replace("<vcount>4<", "<vcount>5<");
+    assert_eq!(refused(&short, PLAIN), ColladaError::Numbers("vcount".to_owned()));
+    assert!(matches!(read("<COLLADA>"), Err(ColladaError::Xml(_))));
+    assert_eq!(read("<robot/>"), Err(ColladaError::Root("robot".to_owned())));
+}
+
+#[test]
+fn nodes_that_name_others_twice_end_soon() {
+    let doubled = (0..30).map(|k| {
+        let next = k + 1;
+        format!(r##"<node id="n{k}"><instance_node url="#n{next}"/><instance_node url="#n{next}"/></node>"##)
+    });
+    let nodes = doubled.collect::<String>() + r##"<node id="n30"/>"##;
+    let text = file(POLYGON, r##"<node><instance_node url="#n0"/></node>"##)
+        .replace("<library_nodes>", &format!("<library_nodes>{nodes}"));
+    assert_eq!(read(&text), Err(ColladaError::TooLarge));
+}
