@@ -169,7 +169,7 @@ test('obstacles are added, typed, dragged and removed, and the arm keeps clear o
   await waitForState(page, 'phase', 'running');
   await page.focus('#scene');
   for (let i = 0; i < 12; i += 1) await page.keyboard.press('Shift+ArrowRight');
-  await waitForText(page, '#reason', /[Pp]anda_link\d keeps clear of sphere 1.*(gives up [\d.]+ m\/s|stays [\d.]+ mm from its target)/);
+  await waitForText(page, '#reason', /“panda_link\d” keeps clear of “sphere 1”.*(gives up [\d.]+ m\/s|stays [\d.]+ mm from its target)/);
   await waitForScene(page, /nearest panda_link\d – sphere 1: 2\d mm/);
   assert.doesNotMatch(await page.getAttribute('#scene', 'aria-label'), /too near/);
   await page.fill('#obstacles input', 'here');

@@ -140,7 +140,7 @@ test('a session whose answers say why shows their sentences', options, () => wit
   await waitForState(page, 'phase', 'watching');
   const answer = await post(`/v1/controllers/${id}/step`, { sequence: 0, time_s: 0, joint_position: scenario.start_joint_position });
   assert.ok(answer.why.length > 0, JSON.stringify(answer));
-  const sentence = answer.why.join('; ');
+  const sentence = answer.why.join('; ').replace(/`([^`]*)`/g, '“$1”');
   await page.waitForFunction((text) => document.getElementById('reason').textContent === text, `${sentence[0].toUpperCase()}${sentence.slice(1)}.`);
 }));
 
@@ -153,33 +153,43 @@ test('the sentence names each joint once, calls redundancy no conflict, and is n
     const position = { name: 'position', axes: ['x', 'y', 'z'], law: { kind: 'pose', gain: 4 } };
     const posture = { name: 'posture', law: { kind: 'posture', gain: 1 } };
     const q = [0, 0, 0, -1.5, 0, 1.8, 0];
-    const of = (tasks, residuals, change) => {
+    const of = (tasks, residuals, change, before = []) => {
       const sample = {
         time_s: 1, position: [0.4, 0, 0.6], joint_position: q, joint_velocity: q.map(() => 0.3), at_lower: [], at_upper: [], active_inequalities: [],
         residual_norms: residuals.map((rows) => Math.hypot(...rows)), task_residuals: residuals, ...change,
       };
       const history = new History();
-      history.columns.time[0] = 1;
-      history.columns.linear0[0] = 0.822;
-      history.columns.angular0[0] = NaN;
-      history.samples[0] = sample;
-      history.length = 1;
+      [...before.map((why, i) => ({ ...sample, time_s: 0.9 + 0.01 * i, why })), sample].forEach((each, i) => {
+        history.columns.time[i] = each.time_s;
+        history.columns.linear0[i] = 0.822;
+        history.columns.angular0[i] = NaN;
+        history.samples[i] = each;
+        history.length = i + 1;
+      });
       const plane = { kind: 'plane', name: 'plane 1', normal: [0, 0, -1], offset_m: -0.3 };
       return reason({ history, sample, controller: { tasks, inequalities: [plane] }, robot, labels, order: [], threshold: 0.15, sigma: 0.3 });
     };
     return {
-      ordinary: of([position, posture], [[0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
-      twice: of([position, posture], [[0.1, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { at_lower: [3], at_upper: [3] }),
-      rest: of([position, posture], [[7.3, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0) }),
-      plane: of([position, posture], [[0.2, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0), position: [0.4, 0, 0.302] }),
-      conflict: of([position, posture], [[0.2, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], {}),
+      ordinary: of([position, posture], [[0, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], { why: ['every task above is achieved', 'task `posture` gives up 1.1 rad/s, since it has the motion that is left'] }),
+      twice: of([position, posture], [[0.1, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { why: ['joint `joint4` is at its jerk limit', 'task `position` gives up 0.10 m/s'] }, [
+        ['joint `joint4` brakes before its upper limit, at 1.2 rad/s', 'task `position` gives up 0.30 m/s'], ['the tasks are in conflict', 'no limit is active; every task is achieved'],
+      ]),
+      held: of([position], [[0, 0, 0]], { why: ['no limit is active; every task is achieved'] }, [['joint `joint4` is at its jerk limit', 'task `position` gives up 0.30 m/s']]),
+      rest: of([position, posture], [[7.3, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0), why: ['the tasks are in conflict', 'task `position` gives up 7.3 m/s'] }),
+      plane: of([position, posture], [[0.2, 0, 0], [0, 0, 0, 0, 0, 0, 0]], { joint_velocity: q.map(() => 0), position: [0.4, 0, 0.302], why: ['no limit is active; every task is achieved'] }),
+      conflict: of([position, posture], [[0.2, 0, 0], [0.5, 0, 0, 1, 0, 0, 0]], { why: ['the tasks are in conflict', 'task `position` gives up 0.20 m/s'] }),
+      silent: of([position], [[0.2, 0, 0]], {}),
     };
   });
   assert.equal(reasons.ordinary.kind, 'ok');
-  assert.match(reasons.ordinary.text, /^Every task above is achieved; task 2 “posture” gives up 1\.1 rad\/s, since it has the motion that is left\.$/);
+  assert.match(reasons.ordinary.text, /^Every task above is achieved; task “posture” gives up 1\.1 rad\/s, since it has the motion that is left\.$/);
   assert.equal(reasons.twice.text.match(/joint4/gi).length, 1, reasons.twice.text);
-  assert.match(reasons.rest.text, /task 1 “position” stays 822 mm from its target\.$/);
+  assert.equal(reasons.twice.text, 'Joint “joint4” is at its jerk limit; task “position” gives up 0.10 m/s.');
+  assert.equal(reasons.held.text, 'Joint “joint4” is at its jerk limit; every task is achieved.');
+  assert.equal(reasons.rest.text, 'The arm rests; task “position” stays 822 mm from its target.');
   assert.doesNotMatch(reasons.rest.text, /m\/s/);
-  assert.equal(reasons.plane.text, 'Plane 1 holds the arm back; task 1 “position” stays 822 mm from its target.');
+  assert.equal(reasons.plane.text, 'Inequality “plane 1” is at its bound; task “position” stays 822 mm from its target.');
   assert.equal(reasons.conflict.kind, 'limited');
+  assert.equal(reasons.conflict.text, 'The tasks are in conflict; task “position” gives up 0.20 m/s.');
+  assert.equal(reasons.silent.text, 'Task “position” gives up 0.2 m/s; the controller says no more without “why”.');
 }));

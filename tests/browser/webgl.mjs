@@ -62,6 +62,39 @@ test('every built-in robot has a shape with light and shadow, without errors of 
   assert.equal(error, 0);
 }));
 
+test('the shapes of arms fill their capsules and stay near them, in their own colours', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
+  for (const robot of ['panda', 'fr3', 'ur5e', 'sawyer', 'so101', 'xarm7', 'iiwa14', 'gen3']) {
+    const { far, empty, colours } = await page.evaluate(async (name) => {
+      const [{ Kinematics }, { modelOf }, { LinkPoses }, { ofLink }, { compose }, geometry] = await Promise.all(
+        ['kinematics', 'any_model', 'link_poses', 'solids', 'urdf', 'geometry'].map((file) => import(`/dashboard/${file}.js`)));
+      const robot = await (await fetch(`/v1/robots/${name}`)).json();
+      const kinematics = await Kinematics.learn(robot);
+      const list = robot.shapes.shape_list;
+      const posture = robot.joints.map((_, i) => 0.3 - 0.1 * i);
+      const poses = await LinkPoses.learn(robot, [...new Set(list.map(({ link }) => link))]);
+      const capsules = list.map((shape) => ofLink(shape, poses.at(posture).get(shape.link)));
+      const frames = kinematics.frames(posture);
+      const still = { position: [0, 0, 0], orientation: { w: 1, x: 0, y: 0, z: 0 } };
+      const parts = modelOf(kinematics);
+      const corners = parts.flatMap(({ joint, mesh: { places } }) => Array.from({ length: places.length / 9 }, (_, i) =>
+        compose(frames[joint] ?? still, { ...still, position: [...places.subarray(9 * i, 9 * i + 3)] }).position));
+      const { add, dot, norm, scale, sub } = geometry;
+      const from = (a, b, point) => {
+        const along = sub(b, a);
+        const s = Math.max(0, Math.min(1, dot(sub(point, a), along) / (dot(along, along) || 1)));
+        return norm(sub(point, add(a, scale(along, s))));
+      };
+      const outside = corners.map((point) => Math.min(...capsules.map(({ a, b, radius }) => from(a, b, point) - radius))).sort((x, y) => x - y);
+      const empty = capsules.map(({ a, b, radius }, i) => ({ link: list[i].link, count: corners.filter((point) => from(a, b, point) < radius).length }));
+      return { far: outside[Math.floor(0.9 * outside.length)], empty: empty.filter(({ count }) => count < 20), colours: new Set(parts.map(({ finish }) => String(finish.rgb))).size };
+    }, robot);
+    // The screen of the Sawyer has no capsule, and those of the UR5e are thinner than its joints.
+    assert.ok(far < 0.02, `${robot}: a tenth of the shape is ${far} m and more outside of its capsules`);
+    assert.deepEqual(empty, [], `${robot}: capsules without a shape`);
+    assert.ok(colours >= 3, `${robot}: ${colours} colours`);
+  }
+}));
+
 test('a white arm is in the picture, its joint at a limit is orange, and arcs name the limit', options, async () => {
   await withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
     await page.waitForTimeout(1500);

@@ -25,6 +25,14 @@ def test_states_and_wrench_in_velocities_out(lab, arm, scenario, place):
     assert simulator.stop()[0] == 0
 
 
+def test_a_push_in_one_line(lab, arm, scenario):
+    lab.node("simulator", scenario=lab.file("wall.json", json.dumps(scenario)))
+    line = f"push sawyer x {FORCE_N} approach_speed=0.05 lag_s=0.01 delay_periods=1"
+    lab.node("controller", controller=line, wrench_convention="on_tool", wrench_frame="tool")
+    arm.wait_for("controls the arm")
+    until(lambda: abs(np.linalg.norm(arm.force) - FORCE_N) < 1.0, f"{FORCE_N} N at the wall")
+
+
 @pytest.fixture(params=["in this process", "at a service"])
 def place(request, lab):
     """Returns the address of a service, or none for the node's own process."""

@@ -18,9 +18,10 @@ def push(lab, scenario):
 @pytest.mark.parametrize(
     ("parameters", "sentence"),
     [
-        ({"controller": "''"}, "parameter `controller` is empty; set it to the path of a JSON file"),
+        ({"controller": "''"}, "parameter `controller` is empty; set it to a preset"),
         ({"controller": "/none.json"}, "parameter `controller`: cannot read the file /none.json"),
         ({"controller": str(PUSH)}, "parameter `controller`: /"),
+        ({"controller": "push panda z"}, "parameter `controller`: 'push panda z' lacks a word; write push ROBOT AXIS"),
         ({"controller": "'{]'"}, "parameter `controller` is not valid JSON"),
         ({"max_age_s": "5.0"}, "parameter `max_age_s`: 5.0 must be a value of type double from 0.002 to 0.1"),
         ({"max_age_s": "soon"}, "parameter `max_age_s`: 'soon' must be a value of type double"),

@@ -124,6 +124,32 @@ fn an_interactive_run_without_commands_equals_the_run_of_a_client() {
 }
 
 #[test]
+fn samples_say_why_and_have_the_contacts_of_the_law_contact() {
+    let service = Service::start();
+    let press = |scenario: &mut Value| {
+        let controller = &mut scenario["controller"];
+        controller["why"] = json!(true);
+        controller["tasks"] = json!([
+            {"name": "press", "axes": ["x"], "law": {"kind": "contact", "target_force": {"kind": "constant", "value": 20}}},
+            {"name": "hold", "axes": ["y", "z"], "law": {"kind": "pose", "gain": 2}}
+        ]);
+        scenario["contacts"][0]["offset_m"] = json!(0.001);
+        scenario["duration_s"] = json!(2.0);
+    };
+    let run = start(&service, "stiff_wall", press, false);
+    let seen = samples(&Viewer::open(&service, &run).until(|frame| frame["run"]["state"] == "finished"));
+    let contacts = |sample: &Value| sample["contacts"].as_array().unwrap().clone();
+    assert!(seen.iter().all(|sample| contacts(sample).len() == 1 && !sample["why"].as_array().unwrap().is_empty()));
+    let last = contacts(seen.last().unwrap()).remove(0);
+    assert_eq!((&last["task"], &last["row"], &last["state"]), (&json!(0), &json!(0), &json!("contact")), "{last}");
+    assert!((last["force"].as_f64().unwrap() - 20.0).abs() < 1.0 && last["target_force"] == 20.0, "{last}");
+    // Without `why` and without the law, samples do not become longer.
+    let plain = start(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.1), false);
+    let seen = samples(&Viewer::open(&service, &plain).until(|frame| frame["run"]["state"] == "finished"));
+    assert!(seen.iter().all(|sample| sample.get("why").is_none() && sample.get("contacts").is_none()));
+}
+
+#[test]
 fn a_run_has_the_requested_speed() {
     let service = Service::start();
     let run = start(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.2), true);

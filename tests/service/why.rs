@@ -131,6 +131,27 @@ fn conflicts_and_singular_postures_are_told_from_limits() {
 }
 
 #[test]
+fn a_posture_below_all_other_tasks_gives_way_without_a_conflict() {
+    let service = Service::start();
+    let said = |tasks: Value| {
+        let controller = json!({"robot": "panda", "period_s": 0.01, "why": true, "tasks": tasks});
+        let state = json!({"sequence": 0, "time_s": 0, "joint_position": [0, -0.5, 0, -2, 0, 1.6, 0.7], "joint_velocity": [0, 0, 0, 0, 0, 0, 0]});
+        let answer = service.call("/v1/step", &json!({"controller": controller, "state": state}));
+        sentences(&answer).join("; ")
+    };
+    let rest = json!({"kind": "constant", "value": [0, -0.5, 0, -2, 0, 1.6, 0.702]});
+    let posture = json!({"name": "rest", "law": {"kind": "posture", "gain": 1, "target_position": rest}});
+    let still = json!({"name": "still", "axes": ["x", "y", "z", "rx", "ry", "rz"], "law": {"kind": "pose", "gain": 2}});
+    let text = said(json!([still, posture]));
+    assert!(text.starts_with("every task above is achieved; task `rest` gives up 0.00"), "{text}");
+    assert!(text.ends_with(" rad/s, since it has the motion that is left"), "{text}");
+    // Above other tasks, a posture makes them give way: that is a conflict.
+    let moved = json!({"name": "move", "axes": ["x", "y", "z"], "law": {"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.01, 0, 0]}}});
+    let text = said(json!([posture, moved]));
+    assert!(text.contains("task `move` gives up") && !text.contains("every task"), "{text}");
+}
+
+#[test]
 fn only_callers_that_want_sentences_get_them() {
     let service = Service::start();
     let resolve = service.call("/v1/resolve", &example("resolve_limits.json"));

@@ -15,12 +15,19 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from revprio_ros.presets import PresetError, is_preset
+from revprio_ros.presets import body as body_of
+
 REVPRIO = "as the controller says"
 SAME_FRAME = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 OUTPUTS = ("velocity", "trajectory", "both")
 
 PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
-    "controller": ("", "controller as JSON, or the path of a JSON file, as in POST /v1/controllers", None),
+    "controller": (
+        "",
+        "`push ROBOT AXIS NEWTONS`, `wipe ROBOT AXIS NEWTONS ALONG`, JSON, or the path of a JSON file",
+        None,
+    ),
     "url": ("", "address of the service; empty: computes in this process", None),
     "token_file": ("", "file with the token of the service; empty: none", None),
     "period_s": (0.0, f"control period, s; 0: {REVPRIO}", (0.0, 0.1)),
@@ -122,10 +129,15 @@ def controller(values: SimpleNamespace) -> revprio.ControllerConfig:
     text = values.controller.strip()
     if not text:
         raise ParameterError(
-            "parameter `controller` is empty; set it to the path of a JSON file, or to JSON: "
-            "-p controller:=/path/push.json"
+            "parameter `controller` is empty; set it to a preset, to the path of a JSON file, or to JSON: "
+            "-p controller:='push panda z -15'"
         )
-    if not text.startswith("{"):
+    if is_preset(text):
+        try:
+            text = json.dumps(body_of(text, values.period_s))
+        except PresetError as error:
+            raise ParameterError(f"parameter `controller`: {error}") from error
+    elif not text.startswith("{"):
         try:
             text = Path(text).read_text()
         except (OSError, UnicodeDecodeError) as error:

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
+use revprio_core::law::Law;
 use revprio_core::limits::BoundCause;
 use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
+use revprio_core::rows::TaskRows;
 use revprio_lab::number::significant;
 use revprio_robot::RobotModel;
 
@@ -59,6 +61,8 @@ pub struct NamedTask<'a> {
     pub requested: Vec<f64>,
     /// Units of the rows.
     pub units: Vec<Unit>,
+    /// Whether it moves joints to a posture.
+    pub is_posture: bool,
 }
 
 /// A resolution with the names and limits of its sentences.
@@ -98,6 +102,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         name: &task.name,
         requested: target.velocity.as_slice().to_vec(),
         units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
+        is_posture: matches!((&task.law, &task.rows), (Law::Position(_), TaskRows::Joints(_))),
     });
     let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
     let explained = Explained {
@@ -139,7 +144,7 @@ impl Explained<'_> {
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
         let active = resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
-        sentences.extend(active.map(|name| format!("inequality `{name}` is at its bound")));
+        sentences.extend(active.map(at_its_bound));
         let violated = resolution.broken_constraints().filter_map(|(_, broken)| self.inequalities.get(broken.bound.id));
         sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(
@@ -158,12 +163,26 @@ impl Explained<'_> {
             sentences.push(all.to_owned());
             return sentences;
         }
+        if self.gives_up_posture_alone() {
+            sentences.push("every task above is achieved".to_owned());
+            sentences.extend(losses.iter().map(|loss| format!("{loss}, since it has the motion that is left")));
+            return sentences;
+        }
         sentences.extend(self.singularities());
         if sentences.is_empty() {
             sentences.push("the tasks are in conflict".to_owned());
         }
         sentences.extend(losses);
         sentences
+    }
+
+    /// Returns whether only the lowest task gives way, and that task is a posture: a redundant arm that moves does so all the time.
+    fn gives_up_posture_alone(&self) -> bool {
+        let Some((lowest, above)) = self.tasks.split_last() else { return false };
+        let outcomes = &self.resolution.tasks;
+        lowest.is_posture
+            && !above.is_empty()
+            && above.iter().zip(outcomes).all(|(task, outcome)| loss(task, outcome).is_none())
     }
 
     fn solver(&self) -> Option<String> {
@@ -278,6 +297,14 @@ impl Explained<'_> {
             None => Unit::Unknown,
         };
         unit.velocity()
+    }
+}
+
+/// Returns the sentence about an active inequality, by its name.
+fn at_its_bound(name: &str) -> String {
+    match name.strip_prefix("collision:").and_then(|pair| pair.split_once('/')) {
+        Some((link, other)) => format!("`{link}` keeps clear of `{other}`"),
+        None => format!("inequality `{name}` is at its bound"),
     }
 }
 

@@ -2,7 +2,8 @@
 
 import { drum, lathe, tube } from './forms.js';
 import { add, norm, scale, sub, unit } from './geometry.js';
-import { Builder, panda, tip, ur5e } from './models.js';
+import { Builder, FINISHES, panda, tip, ur5e } from './models.js';
+import { gen3, iiwa, sawyer, so101, xarm7 } from './models_at_zero.js';
 
 /**
  * @typedef {import('./types.js').Vec3} Vec3
@@ -21,14 +22,26 @@ import { Builder, panda, tip, ur5e } from './models.js';
 /** @type {Style} */
 const PLAIN = { body: 'white', joint: 'dark', accent: 'sky', base: 'dark', thickness: 0.043, taper: 0.5 };
 
-/** @type {Record<string, Style>} */
-const STYLES = {
-  sawyer: { body: 'dark', joint: 'red', accent: 'grey', base: 'black', thickness: 0.045, taper: 0.42 },
-  sawyer_dh: { body: 'dark', joint: 'red', accent: 'grey', base: 'black', thickness: 0.045, taper: 0.42 },
+/** Robots with a shape of their own, stated in the frames of their joints. @type {Record<string, (b: Builder) => void>} */
+const MODELS = { panda, fr3: panda, ur5e };
+
+/** Robots with a shape of their own, stated in the base frame at the position zero. @type {Record<string, (b: Builder) => void>} */
+const MODELS_AT_ZERO = { gen3, iiwa14: iiwa, sawyer, sawyer_dh: sawyer, so101, xarm7 };
+
+/** Joint positions at which an arm is like another one at its zero, rad. @type {Record<string, number[]>} */
+const ZEROS = { sawyer_dh: [Math.PI, -Math.PI / 2, Math.PI, 0, Math.PI, 0, 0] };
+
+/** Finish of the links and of the joints where an arm is drawn with rods and drums alone. @type {Record<string, [string, string]>} */
+const TWO_FINISHES = {
+  gen3: ['shell', 'dark'], iiwa14: ['aluminium', 'orange'], sawyer: ['red', 'dark'], sawyer_dh: ['red', 'dark'], so101: ['print', 'dark'],
+  ur5e: ['silver', 'sky'], xarm7: ['white', 'grey'],
 };
 
-/** Robots with a shape of their own, by name. @type {Record<string, (b: Builder) => void>} */
-const MODELS = { panda, ur5e };
+/** Returns the colours of a robot where it is drawn with rods and drums alone. @type {(robot: string) => Partial<Record<import('./arm.js').Material, import('./shading.js').Rgb>>} */
+export function simpleColours(robot) {
+  const own = TWO_FINISHES[robot];
+  return own ? { link: FINISHES[own[0]].rgb, joint: FINISHES[own[1]].rgb } : {};
+}
 
 /** @type {WeakMap<Kinematics, ModelPart[]>} */
 const known = new WeakMap();
@@ -43,9 +56,14 @@ export function modelOf(kinematics) {
 /** @type {(kinematics: Kinematics) => ModelPart[]} */
 function make(kinematics) {
   const builder = new Builder();
+  const atZero = MODELS_AT_ZERO[kinematics.robot];
+  if (atZero) {
+    atZero(builder);
+    return builder.parts(kinematics.frames(ZEROS[kinematics.robot] ?? kinematics.joints.map(() => 0)));
+  }
   const own = MODELS[kinematics.robot];
   if (own) own(builder);
-  else anyArm(builder, kinematics, STYLES[kinematics.robot] ?? PLAIN);
+  else anyArm(builder, kinematics, PLAIN);
   return builder.parts();
 }
 

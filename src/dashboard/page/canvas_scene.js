@@ -1,5 +1,6 @@
 // Draws the bodies of the scene on a two-dimensional canvas, far ones first: for computers without a graphics card.
 
+import { simpleColours } from './any_model.js';
 import { bodies, vec } from './arm.js';
 import { Camera, dot, sub } from './geometry.js';
 import { hexOf } from './ghost_curves.js';
@@ -31,6 +32,7 @@ export class CanvasScene {
     const { arm, visuals } = world;
     if (!arm) return;
     const parts = bodies(arm, world.atLimit);
+    const materials = { ...colours.materials, ...simpleColours(world.kinematics?.robot ?? '') };
     shadow(context, camera, parts, colours);
     const walls = world.contacts.filter(({ isWall }) => isWall);
     walls.filter((contact) => isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
@@ -43,7 +45,7 @@ export class CanvasScene {
     }
     trail(context, camera, world.history, world.until, world.colour === undefined ? colours.accent : hexOf(colours, world.colour), []);
     if (robot && areDrawable(visuals)) drawParts(context, camera, placedParts(visuals, robot, world.position, world.atLimit, colours));
-    else drawBodies(context, camera, parts, ({ material }) => colours.materials[material]);
+    else drawBodies(context, camera, parts, ({ material }) => materials[material]);
     walls.filter((contact) => !isBehind(camera, contact)).forEach((contact) => wall(context, camera, contact, world, colours));
     if (world.room) this.drawRoom(context, world.room, arm, colours, density);
   }

@@ -6,6 +6,7 @@ import * as ghostsForm from './ghosts_form.js';
 import { element } from './notices.js';
 import * as obstaclesForm from './obstacles_form.js';
 import * as planesForm from './planes_form.js';
+import * as pressForm from './press_form.js';
 import * as robotsForm from './robots_form.js';
 import * as sessionsForm from './sessions_form.js';
 import * as setups from './setup.js';
@@ -38,6 +39,7 @@ export function bind(runControl, attempt) {
   bindRun(runControl, attempt);
   sessionsForm.bind(runControl, attempt);
   robotsForm.bind(runControl, attempt);
+  pressForm.bind(runControl, attempt);
   drop.bind(attempt, (files) => (ghostsForm.areRecordings(files)
     ? ghostsForm.addRecordings(runControl, attempt, [...files.values()]) : robotsForm.register(runControl, files)));
   state.subscribe(() => showState(runControl));
@@ -119,7 +121,7 @@ function showSetup(runControl, change) {
   recorded.hidden = setup.motion !== 'recorded';
   recorded.disabled = recorded.hidden;
   select('motion').value = setup.motion;
-  element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND;
+  element('motion-field').hidden = setup.scenario !== setups.PLAYGROUND || setup.press !== null;
   select('solver').value = setup.solver;
   input('speed').value = String(Math.log10(setup.speed));
   element('speed-value').textContent = `${setup.speed}×`;
@@ -128,6 +130,7 @@ function showSetup(runControl, change) {
   element('gains').replaceChildren(gainFields(runControl, change, isOpen));
   showLists(runControl, change);
   robotsForm.showRobots(runControl);
+  pressForm.show(setup.press);
   element('contacts').replaceChildren(...contactFields(runControl, change));
 }
 

@@ -59,8 +59,9 @@ async function restore(runControl) {
   const { setup } = runControl;
   if (!before || !setup) return;
   const isRecorded = [before, setup].some(({ motion }) => motion === 'recorded') && before.motion !== setup.motion;
-  if (before.scenario !== setup.scenario || before.robot !== setup.robot || isRecorded) {
-    if (before.robot) await runControl.makePlayground(before.robot);
+  const isOther = before.scenario !== setup.scenario || before.robot !== setup.robot || JSON.stringify(before.press) !== JSON.stringify(setup.press);
+  if (isOther || isRecorded) {
+    if (before.robot) await runControl.makePlayground(before.robot, before.press);
     await runControl.selectScenario(before.scenario);
     runControl.setup = before.motion === 'recorded' ? { ...before, motion: '' } : before;
     runControl.onChange();
@@ -75,11 +76,13 @@ async function restore(runControl) {
   if (change.targets) resendTargets(runControl, setup);
 }
 
-/** Selects a scenario or a robot, and records the setup. @type {(runControl: RunControl, name: string, robot?: string) => Promise<void>} */
-export async function select(runControl, name, robot = '') {
-  if (runControl.setup) runControl.undoable.push(runControl.setup);
-  if (robot) await runControl.makePlayground(robot);
+/** Selects a scenario or a robot, and records the setup. @type {(runControl: RunControl, name: string, robot?: string, press?: Setup['press']) => Promise<void>} */
+export async function select(runControl, name, robot = '', press = null) {
+  const before = runControl.setup;
+  if (robot) await runControl.makePlayground(robot, press);
+  if (before) runControl.undoable.push(before);
   await runControl.selectScenario(name);
+  if (runControl.setup) runControl.setup = { ...runControl.setup, press };
 }
 
 /**

@@ -126,7 +126,7 @@ export function poseError(task, target, tool) {
 export function forceRows(controller) {
   return controller.tasks.flatMap((task) => {
     const { law } = task;
-    if (!law || (law.kind !== 'force' && law.kind !== 'hybrid') || task.frame === 'tool') return [];
+    if (!law || !('target_force' in law) || task.frame === 'tool') return [];
     const axes = task.axes ?? [];
     const held = positionRows(task);
     const frame = fixedFrame(task);
@@ -136,9 +136,9 @@ export function forceRows(controller) {
       const isIdle = Array.from({ length: 8 }, (_, i) => target(i * 0.7)).every((value) => value === 0);
       if (k < 0 || held[row] || isIdle) return [];
       // A force against an axis is shown as a positive force in the opposite direction.
-      const sign = frame && target(0) < 0 ? -1 : 1;
+      const sign = (frame || law.kind === 'contact') && target(0) < 0 ? -1 : 1;
       const direction = scale(rotate(frame?.orientation ?? IDENTITY, unitAxis(k)), sign);
-      const label = frame ? `${sign < 0 ? '−' : ''}${axis} of “${task.name}”` : axis;
+      const label = `${sign < 0 ? '−' : ''}${axis}${frame ? ` of “${task.name}”` : ''}`;
       return [{ label, direction, target: (/** @type {number} */ time) => sign * target(time) }];
     });
   }).slice(0, 3);
@@ -146,7 +146,7 @@ export function forceRows(controller) {
 
 /** Returns whether forces matter in a run: a task follows or feels them, or a contact or a push exerts them. @type {(scenario: {controller: Controller, contacts?: unknown[], external_wrench?: unknown}) => boolean} */
 export function hasForces({ controller, contacts, external_wrench: push }) {
-  const feels = controller.tasks.some(({ law }) => law && ['force', 'hybrid', 'impedance'].includes(law.kind));
+  const feels = controller.tasks.some(({ law }) => law && ['contact', 'force', 'hybrid', 'impedance'].includes(law.kind));
   return feels || Boolean(push) || (contacts ?? []).length > 0;
 }
 

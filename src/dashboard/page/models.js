@@ -1,10 +1,13 @@
 // The shapes of the arms that come with the service, made of bevelled forms in the frames of their joints.
 
 import { ball, block, drum, emptyForm, lathe, tube } from './forms.js';
+import { sub } from './geometry.js';
+import { IDENTITY, inverse, rotate } from './rotation.js';
 
 /**
  * @typedef {import('./types.js').Vec3} Vec3
  * @typedef {import('./forms.js').Form} Form
+ * @typedef {import('./urdf.js').Placement} Placement
  * @typedef {import('./webgl.js').Mesh} Mesh
  *
  * @typedef {object} Finish
@@ -19,6 +22,9 @@ import { ball, block, drum, emptyForm, lathe, tube } from './forms.js';
  * @property {boolean} marks whether it changes its colour when the joint is at a limit
  */
 
+/** @type {Placement} */
+const BASE = { position: [0, 0, 0], orientation: IDENTITY };
+
 /** @type {Record<string, Finish>} */
 export const FINISHES = {
   white: { rgb: [238, 240, 243], roughness: 0.32, metal: 0 },
@@ -29,6 +35,11 @@ export const FINISHES = {
   sky: { rgb: [108, 172, 220], roughness: 0.38, metal: 0 },
   red: { rgb: [178, 30, 40], roughness: 0.35, metal: 0 },
   black: { rgb: [30, 32, 36], roughness: 0.45, metal: 0 },
+  aluminium: { rgb: [224, 226, 228], roughness: 0.36, metal: 0.22 },
+  shell: { rgb: [226, 228, 231], roughness: 0.3, metal: 0.12 },
+  orange: { rgb: [238, 112, 22], roughness: 0.4, metal: 0 },
+  print: { rgb: [246, 190, 32], roughness: 0.62, metal: 0 },
+  screen: { rgb: [112, 176, 214], roughness: 0.3, metal: 0 },
 };
 
 /** Collects the forms of a model by joint, finish and mark. */
@@ -47,11 +58,18 @@ export class Builder {
     return known.form;
   }
 
-  /** @returns {ModelPart[]} */
-  parts() {
-    return Array.from(this.forms.values(), ({ joint, finish, marks, form }) => ({
-      joint, finish, marks, mesh: { places: new Float32Array(form.places), normals: new Float32Array(form.normals) },
-    }));
+  /** Returns the parts. If the forms are stated in the base frame, `frames` are those of the joints for the same posture. @type {(frames?: Placement[]) => ModelPart[]} */
+  parts(frames = []) {
+    return Array.from(this.forms.values(), ({ joint, finish, marks, form: { places, normals } }) => {
+      const { position, orientation } = frames[joint] ?? BASE;
+      const back = inverse(orientation);
+      const inFrame = (/** @type {number[]} */ list, /** @type {Vec3} */ origin) => {
+        const moved = new Float32Array(list.length);
+        for (let i = 0; i < list.length; i += 3) moved.set(rotate(back, sub([list[i], list[i + 1], list[i + 2]], origin)), i);
+        return moved;
+      };
+      return { joint, finish, marks, mesh: { places: inFrame(places, position), normals: inFrame(normals, [0, 0, 0]) } };
+    });
   }
 }
 

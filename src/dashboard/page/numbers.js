@@ -1,5 +1,6 @@
 // The numbers next to the scene, and the descriptions for screen readers.
 
+import { contactSigns } from './contact_signs.js';
 import { forceAxes, forceLabel } from './force_plot.js';
 import { toolPose } from './measures.js';
 import { element } from './notices.js';
@@ -47,7 +48,8 @@ export function drawNumbers(runControl, view, room) {
   element('reason').dataset.kind = why.kind;
   drawReadouts(runControl, view, main);
   const nearest = room?.pairs[0];
-  const text = nearest ? `${main.text}; nearest ${nearestText(nearest)}` : main.text;
+  const contacts = contactSigns(view.controller, sample).map(({ text }) => `; ${text}`).join('');
+  const text = `${main.text}${contacts}${nearest ? `; nearest ${nearestText(nearest)}` : ''}`;
   describe(runControl, view, text, why.text);
 }
 

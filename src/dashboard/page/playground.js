@@ -1,5 +1,6 @@
 // The playground: a scenario that the page makes for any robot.
 
+import { pressing } from './presets.js';
 import { post } from './transport.js';
 
 /**
@@ -30,8 +31,8 @@ const MIN_MOBILITY = 1e-6;
 const FURTHER = 16;
 const STEPS = [0.618, 0.755, 0.382, 0.57, 0.245, 0.819, 0.467];
 
-/** @type {(robot: Robot) => Promise<Scenario>} */
-export async function playground(robot) {
+/** @type {(robot: Robot, press?: import('./presets.js').Press | null) => Promise<Scenario>} `press`: what the tool does instead of holding its pose */
+export async function playground(robot, press = null) {
   const first = await Promise.all(PATTERNS.map((pattern) => tried(robot, pattern)));
   const isMobile = (/** @type {number} */ row) => first.some(({ answer }) => Math.hypot(...answer.jacobian[row]) > MIN_MOBILITY);
   const mobile = AXES.filter((_, row) => isMobile(row));
@@ -46,7 +47,8 @@ export async function playground(robot) {
   const best = candidates.reduce((at, one) => (one.answer.manipulability > at.answer.manipulability ? one : at));
   const linear = mobile.filter((axis) => axis.length === 1);
   const angular = mobile.filter((axis) => axis.length === 2);
-  return scenario(robot, best.posture, linear, angular);
+  const made = scenario(robot, best.posture, linear, angular);
+  return press ? pressing(made, press, mobile) : made;
 }
 
 /** @typedef {{posture: number[], answer: KinematicsAnswer}} Tried */

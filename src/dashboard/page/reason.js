@@ -1,4 +1,4 @@
-// One sentence that says why tasks give way: which limits, planes or singularities hold them back, and by how much.
+// The sentence that says why tasks give way: the `why` of the answers, and what they do not know while the arm rests.
 
 import { residualParts } from './goals.js';
 import { angle, distance, quantity } from './number.js';
@@ -26,55 +26,60 @@ const AT_PLANE = 0.005;
 /** Speed of all joints below which the arm rests, rad/s or m/s. */
 const RESTING = 2e-3;
 
-/** Maximum number of causes and of tasks in the sentence. */
+/** Maximum number of causes in the sentence. */
 const MAX_PARTS = 3;
 
-/** Time over which active limits and planes are collected, s: near a bound they change from period to period. */
+/** Time over which causes are collected, s: near a bound they change from period to period. */
 const RECENT = 0.25;
 
-/** Returns the shown sample with everything that was active shortly before. @type {(view: View) => LiveSample | undefined} */
-function recent({ history, sample }) {
-  if (!sample) return undefined;
-  const [lower, upper, names] = [new Set(sample.at_lower), new Set(sample.at_upper), new Set(sample.active_inequalities)];
-  for (let i = history.indexAt(sample.time_s); i >= 0 && history.columns.time[i] > sample.time_s - RECENT; i -= 1) {
-    const before = history.samples[i];
-    before.at_lower.forEach((joint) => lower.add(joint));
-    before.at_upper.forEach((joint) => upper.add(joint));
-    before.active_inequalities.forEach((name) => names.add(name));
-  }
-  const sorted = (/** @type {Set<number>} */ joints) => [...joints].sort((a, b) => a - b);
-  return { ...sample, at_lower: sorted(lower), at_upper: sorted(upper), active_inequalities: [...names] };
-}
+/** What `why` says at its end: what the tasks give up, or that they give up nothing. */
+const END = /^(task `.*` (gives up|moves in its direction) |no limit is active|every task )/;
+
+/** What `why` says of a single period, of which the page collects nothing. */
+const CONFLICT = 'the tasks are in conflict';
 
 /** @type {(view: View) => Reason} */
 export function reason(view) {
-  const sample = recent(view);
+  const { sample } = view;
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
-  const causes = [...pairCauses(sample), ...limitCauses(view, sample), ...planeCauses(view, sample), ...singularCause(view)];
   const losses = lossesOf(view, sample);
-  if (sample.why) return { text: capital(`${sample.why.join('; ')}.`), kind: losses.length > 0 && !isOrdinary(view, losses) ? 'limited' : 'ok' };
-  if (losses.length === 0) {
-    const text = causes.length > 0 ? `${joined(causes)}; every task is achieved.` : 'Every task is achieved; no limit is active.';
-    return { text: capital(text), kind: 'ok' };
-  }
-  const lost = losses.map(({ name, amount }, i) => `${name}${amount.startsWith('stays') ? ' ' : i === 0 ? ' gives up ' : ': '}${amount}`);
-  if (isOrdinary(view, losses)) {
-    const held = causes.length > 0 ? `${joined(causes)}; ` : '';
-    return { text: capital(`${held}every task above is achieved; ${joined(lost)}, since it has the motion that is left.`), kind: 'ok' };
-  }
-  const why = causes.length > 0 ? joined(causes) : rests(sample) ? 'the arm rests' : 'the tasks are in conflict';
-  return { text: capital(`${why}; ${joined(lost)}.`), kind: 'limited' };
+  const kind = losses.length > 0 && !isOrdinary(view, losses) ? 'limited' : 'ok';
+  const parts = sample.why ? sentences(view, sample, losses) : [...losses.map(({ text }) => text), 'the controller says no more without `why`'];
+  return { text: capital(`${parts.join('; ')}.`).replace(/`([^`]*)`/g, '“$1”'), kind };
+}
+
+/** Returns the causes, and what the tasks give up. @type {(view: View, sample: LiveSample, losses: Loss[]) => string[]} */
+function sentences(view, sample, losses) {
+  const rest = rests(sample);
+  const causes = [...causesOf(view, sample), ...(rest ? planesAt(view.controller, sample) : [])];
+  const held = causes.length > MAX_PARTS ? [...causes.slice(0, MAX_PARTS - 1), `${causes.length - MAX_PARTS + 1} more limits are active`] : causes;
+  const left = losses.filter(({ isDistance }) => isDistance);
+  if (left.length > 0) return [...(held.length > 0 ? held : ['the arm rests']), ...left.map(({ text }) => text)];
+  const said = sample.why ?? [];
+  const conflict = said.filter((text) => text === CONFLICT && held.length === 0);
+  const end = said.filter((text) => END.test(text)).map((text) => (held.length > 0 ? text.replace('no limit is active; ', '') : text));
+  return [...held, ...conflict, ...end];
+}
+
+/** Returns what `why` said shortly before and says now, each limit with its latest numbers. @type {(view: View, sample: LiveSample) => string[]} */
+function causesOf({ history }, sample) {
+  /** @type {Map<string, string>} */
+  const causes = new Map();
+  const collect = (/** @type {LiveSample} */ { why = [] }) => {
+    for (const text of why) {
+      const subject = /^(joint `[^`]*`)/.exec(text)?.[1] ?? text;
+      if (!END.test(text) && text !== CONFLICT && !causes.has(subject)) causes.set(subject, text);
+    }
+  };
+  collect(sample);
+  for (let i = history.indexAt(sample.time_s); i >= 0 && history.columns.time[i] > sample.time_s - RECENT; i -= 1) collect(history.samples[i]);
+  return [...causes.values()].sort();
 }
 
 /** Returns whether only the lowest task gives way, and that task is a posture: a redundant arm that moves does so all the time. @type {(view: View, losses: Loss[]) => boolean} */
 function isOrdinary({ controller }, losses) {
   const tasks = controller?.tasks ?? [];
   return losses.length === 1 && losses[0].task === tasks.length - 1 && tasks.length > 1 && tasks.at(-1)?.law?.kind === 'posture';
-}
-
-/** Returns the limits that are active, each joint once. @type {(view: View, sample: LiveSample) => string[]} */
-function limitCauses(view, sample) {
-  return activeLimits(view, sample).map(({ label, text }) => `${label} ${text}`);
 }
 
 /**
@@ -112,43 +117,20 @@ function cause({ position_limit: range, velocity_limit: fastest }, sample, joint
   return `is at its ${side} velocity bound`;
 }
 
-/** Beginning of the name of an inequality that keeps a pair of shapes clear of each other. */
-const PAIR = 'collision:';
-
-/** @type {(sample: LiveSample) => string[]} */
-function pairCauses({ active_inequalities: names }) {
-  return names.filter((name) => name.startsWith(PAIR)).map((name) => name.slice(PAIR.length).replace('/', ' keeps clear of '));
-}
-
-/** @type {(view: View, sample: LiveSample) => string[]} */
-function planeCauses({ controller }, sample) {
-  const reached = rests(sample) ? planesAt(controller, sample) : [];
-  const others = new Set([...sample.active_inequalities.filter((name) => !name.startsWith(PAIR)), ...reached]);
-  return [...others].map((name) => (name.startsWith('plane') ? `${name} holds the arm back` : `“${name}” is active`));
-}
-
 /** Returns the planes that the tool has reached. They are not active once the arm rests and its requests have faded. @type {(controller: View['controller'], sample: LiveSample) => string[]} */
 function planesAt(controller, { position: tool }) {
   return (controller?.inequalities ?? []).flatMap((inequality) => {
     if (inequality.kind !== 'plane') return [];
     const { normal, offset_m: offset, name } = inequality;
     const along = normal.reduce((sum, part, i) => sum + part * tool[i], 0) / Math.hypot(...normal);
-    return along > offset - AT_PLANE ? [name ?? 'a plane'] : [];
+    return along > offset - AT_PLANE ? [`inequality \`${name ?? 'plane'}\` is at its bound`] : [];
   });
-}
-
-/** @type {(view: View) => string[]} */
-function singularCause({ threshold, controller, sigma, history }) {
-  const { measures } = history;
-  if (!controller || sigma === undefined || (measures?.isDependent && !measures.kinematics)) return [];
-  const isDamped = threshold !== null && sigma < threshold;
-  return isDamped ? [`the arm is near a singularity (σ = ${quantity(sigma, '', 2).trim()})`] : [];
 }
 
 /** Returns whether the arm rests. @type {(sample: LiveSample) => boolean} */
 export const rests = ({ joint_velocity: speeds }) => speeds.every((speed) => Math.abs(speed) < RESTING);
 
-/** @typedef {{task: number, name: string, amount: string}} Loss */
+/** @typedef {{task: number, text: string, isDistance: boolean}} Loss `isDistance`: how far the task is from its target */
 
 /** Returns what each task gives up; while the arm rests, how far it stays from its target. @type {(view: View, sample: LiveSample) => Loss[]} */
 function lossesOf(view, sample) {
@@ -161,7 +143,7 @@ function lossesOf(view, sample) {
     ].filter(Boolean);
     if (parts.length === 0) return [];
     const away = rests(sample) ? distanceLeft(view, k) : '';
-    return [{ task: k, name: `task ${k + 1} “${task.name}”`, amount: away ? `stays ${away} from its target` : parts.join(' and ') }];
+    return [{ task: k, isDistance: away !== '', text: `task \`${task.name}\` ${away ? `stays ${away} from its target` : `gives up ${parts.join(' and ')}`}` }];
   });
 }
 
@@ -171,12 +153,6 @@ function distanceLeft({ history, sample, order }, k) {
   const index = history.indexAt(sample?.time_s ?? 0);
   const [linear, angular] = [history.columns[`linear${place}`]?.[index], history.columns[`angular${place}`]?.[index]];
   return [linear >= 0 ? distance(linear) : '', angular >= 0 ? angle(angular) : ''].filter(Boolean).join(' and ');
-}
-
-/** @type {(parts: string[]) => string} */
-function joined(parts) {
-  if (parts.length > MAX_PARTS) return `${parts.slice(0, MAX_PARTS).join(', ')} and ${parts.length - MAX_PARTS} more`;
-  return parts.length > 1 ? `${parts.slice(0, -1).join(', ')} and ${parts.at(-1)}` : parts[0];
 }
 
 /** @type {(text: string) => string} */

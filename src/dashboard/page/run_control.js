@@ -5,6 +5,7 @@ import { History } from './history.js';
 import { Kinematics } from './kinematics.js';
 import { Measures, toolPose } from './measures.js';
 import { playground } from './playground.js';
+import { pressFrom } from './presets.js';
 import { Run } from './run.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
@@ -119,7 +120,7 @@ export class RunControl {
     const isFirst = !this.setup && location.hash.length < 2;
     const shared = await this.robotOfLink();
     const robot = shared || this.setup?.robot || (isFirst ? FIRST_ROBOT : new URLSearchParams(location.hash.slice(1)).get('robot'));
-    if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot);
+    if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot, this.setup?.press ?? pressFrom(new URLSearchParams(location.hash.slice(1)).get('press')));
     const fallback = this.scenarios.find(({ name }) => name === (isFirst ? setups.PLAYGROUND : 'stiff_wall')) ?? this.scenarios[0];
     this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? { ...setups.defaults(fallback), motion: isFirst ? 'eight' : '' };
     const { scenario } = this.setup;
@@ -133,11 +134,11 @@ export class RunControl {
     this.robots = robots;
   }
 
-  /** Makes the playground scenario for a robot. @param {string} name */
-  async makePlayground(name) {
+  /** Makes the playground scenario for a robot. @type {(name: string, press?: import('./presets.js').Press | null) => Promise<void>} */
+  async makePlayground(name, press = null) {
     const robot = this.robots.find((known) => known.name === name);
     if (!robot) throw new Error(`there is no robot ${name}`);
-    const scenario = await playground(robot);
+    const scenario = await playground(robot, press);
     this.scenarios = [...this.scenarios.filter((known) => known.name !== setups.PLAYGROUND), scenario];
   }
 

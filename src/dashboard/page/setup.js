@@ -4,6 +4,7 @@ import { addFigureOfEight } from './figure_of_eight.js';
 import { inTaskFrame, positionDirections } from './goals.js';
 import { setObstacles } from './obstacles.js';
 import { addPlanes } from './planes.js';
+import { pressFrom, pressText } from './presets.js';
 import { fromText, toText } from './shared_state.js';
 
 /**
@@ -26,6 +27,7 @@ import { fromText, toText } from './shared_state.js';
  * @property {Record<string, number>} stiffness changed stiffness of contacts, by index, N/m
  * @property {string} robot robot of the playground; empty in the other scenarios
  * @property {'' | 'eight' | 'recorded'} motion of the target of the playground; `recorded`: as in a recording
+ * @property {import('./presets.js').Press | null} press what the tool of the playground does instead
  * @property {number[]} order order of the tasks as indices, highest priority first; empty: as in the scenario
  * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
  * @property {import('./types.js').RoomObstacle[] | null} obstacles of the controller; null: as in the scenario
@@ -79,6 +81,7 @@ export function defaults(scenario) {
     stiffness: {},
     robot: scenario.name === PLAYGROUND ? scenario.controller.robot : '',
     motion: '',
+    press: null,
     order: [],
     planes: [],
     obstacles: null,
@@ -122,6 +125,7 @@ export function applyTo(scenario, setup, start) {
   const { controller } = changed;
   controller.method = setup.method;
   controller.solver = setup.solver;
+  controller.why = true;
   if (setup.lag !== null) {
     changed.velocity_loop = { delay_periods: 0, ...changed.velocity_loop, lag_s: setup.lag };
   }
@@ -184,6 +188,7 @@ export function toFragment(setup, scenario) {
   if (setup.lag !== null) text.set('lag', String(setup.lag));
   if (setup.robot) text.set('robot', setup.robot);
   if (setup.motion === 'eight') text.set('motion', setup.motion);
+  if (setup.press) text.set('press', pressText(setup.press));
   if (setup.order.length > 0) text.set('order', setup.order.join(','));
   for (const [key, values] of Object.entries(setup.gains)) text.set(key, values.join(','));
   for (const [index, value] of Object.entries(setup.stiffness)) text.set(`contact.${index}`, String(value));
@@ -207,7 +212,8 @@ export function fromFragment(fragment, scenarios) {
   const ghosts = (text.get('ghost') ?? '').split(',', 10 * MAX_GHOSTS).filter((word) => known(METHODS, word));
   setup.ghosts = /** @type {Method[]} */ ([...new Set(ghosts)].slice(0, MAX_GHOSTS));
   if (known(SOLVERS, text.get('solver'))) setup.solver = /** @type {Solver} */ (text.get('solver'));
-  if (text.get('motion') === 'eight' && setup.robot) setup.motion = 'eight';
+  if (setup.robot) setup.press = pressFrom(text.get('press'));
+  if (text.get('motion') === 'eight' && setup.robot && !setup.press) setup.motion = 'eight';
   Object.assign(setup, fromText(text.get('state')));
   setup.speed = positive(text.get('speed')) ?? setup.speed;
   const lag = Number(text.get('lag') ?? NaN);

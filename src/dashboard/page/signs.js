@@ -1,6 +1,7 @@
 // What the scene shows of the tasks: the velocity of the tool and what it gives up, target frames, limits and distances.
 
 import { vec } from './arm.js';
+import { contactColour, contactSigns } from './contact_signs.js';
 import { add, cross, dot, norm, scale, sub, unit } from './geometry.js';
 import { positionRows } from './goals.js';
 import { distance, quantity } from './number.js';
@@ -34,6 +35,7 @@ import { shownSample } from './view.js';
  * @property {{position: Vec3, axes: Vec3[]}[]} frames of the tool and of its target
  * @property {LimitSign[]} limits
  * @property {{at: Vec3, foot: Vec3, text: string}[]} planes
+ * @property {import('./contact_signs.js').ContactSign[]} states of the contacts of the tasks
  * @property {number} size of the arm, m
  */
 
@@ -48,6 +50,9 @@ const RADIUS = 0.085;
 
 /** Distance below which a plane shows its number, m. */
 const NEAR_PLANE = 0.5;
+
+/** Radius of the ring of a contact, px. */
+const RING = 13;
 
 /** Steps of a drawn arc. */
 const STEPS = 40;
@@ -68,6 +73,7 @@ export function signsOf(runControl, view, kinematics, position, contacts, goal) 
     frames: goal && turns(goal.task) ? [tool, { position: vec(goal.pose.position), orientation: goal.pose.orientation }].map(axesOf) : [],
     limits: sample ? limitSigns(view, sample, frames, position) : [],
     planes: contacts.filter(({ isVirtual }) => isVirtual).flatMap((plane) => planeSign(plane, tool.position)),
+    states: contactSigns(view.controller, sample),
     size: kinematics.reach,
   };
 }
@@ -122,6 +128,21 @@ export function drawSigns(context, camera, signs, colours) {
     line(context, camera, [position, add(position, scale(axis, FRAME * signs.size))], colours.axes[k], i === 0 ? 2.2 : 1.4, i === 0 ? [] : [3, 2])));
   for (const limit of signs.limits) drawLimit(context, camera, limit, signs.size, colours);
   drawVelocity(context, camera, signs, colours);
+  drawContacts(context, camera, signs, colours);
+}
+
+/** Draws a ring about the tool in the colour of each contact, with its state, force and target. @type {(context: CanvasRenderingContext2D, camera: Camera, signs: Signs, colours: Palette) => void} */
+function drawContacts(context, camera, { tool, states }, colours) {
+  const { x, y } = camera.project(tool);
+  states.forEach(({ state, text }, i) => {
+    const colour = contactColour(state, colours);
+    context.strokeStyle = colour;
+    context.lineWidth = 3.5;
+    context.beginPath();
+    context.arc(x, y, RING + 6 * i, 0, 2 * Math.PI);
+    context.stroke();
+    write(context, camera, x + RING + 8, y + RING + 4 + 18 * i, text, colour, colours);
+  });
 }
 
 /** Draws the velocity of the tool, and from its end what each task gives up, which fades. @type {(context: CanvasRenderingContext2D, camera: Camera, signs: Signs, colours: Palette) => void} */
@@ -195,13 +216,18 @@ function arrow(context, camera, from, to, colour, alpha) {
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, at: Vec3, text: string, colour: string, colours: Palette) => void} */
 function label(context, camera, at, text, colour, colours) {
   const { x, y } = camera.project(at);
+  write(context, camera, x + 8, y, text, colour, colours);
+}
+
+/** Writes a text that stays in the free part of the scene. @type {(context: CanvasRenderingContext2D, camera: Camera, x: number, y: number, text: string, colour: string, colours: Palette) => void} */
+function write(context, camera, x, y, text, colour, colours) {
   context.font = '600 12px system-ui, sans-serif';
   context.textAlign = 'left';
   context.textBaseline = 'middle';
   context.lineJoin = 'round';
   context.lineWidth = 4;
   const { free } = camera;
-  const left = Math.max(free.left, Math.min(x + 8, free.left + free.width - context.measureText(text).width));
+  const left = Math.max(free.left, Math.min(x, free.left + free.width - context.measureText(text).width));
   context.strokeStyle = colours.scene;
   context.strokeText(text, left, y);
   context.fillStyle = colour;

@@ -28,7 +28,7 @@ print(answer["joint_velocity"])
 }
 
 /** @type {(controller: StepRequest['controller']) => string} commands that start the ROS 2 node with the controller that is shown */
-export function asRos2(controller) {
+export function asRos2({ why: _, ...controller }) {
   return `cat > controller.json <<'END'
 ${JSON.stringify(controller)}
 END

@@ -12,7 +12,7 @@ import * as setups from './setup.js';
 const GAIN_NAMES = { inertia: 'Inertia', damping: 'Damping', stiffness: 'Stiffness' };
 const GAIN_SIGNS = { inertia: 'M_d', damping: 'B_d', stiffness: 'K_d' };
 const LAWS = /** @type {Record<string, string>} */ ({
-  velocity: 'velocity', pose: 'pose', posture: 'posture', force: 'force', impedance: 'impedance', hybrid: 'hybrid',
+  velocity: 'velocity', pose: 'pose', posture: 'posture', contact: 'contact', force: 'force', impedance: 'impedance', hybrid: 'hybrid',
 });
 
 /** The task that is dragged: its place in the order. @type {number | null} */

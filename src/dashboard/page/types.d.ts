@@ -12,8 +12,8 @@ export type Simulation = Schemas['Simulation'];
 export type SimulationControl = Schemas['SimulationControl'];
 export type SimulationRequest = Schemas['SimulationRequest'];
 export type LiveFrame = Schemas['LiveFrame'];
-/** `why`: sentences of the answer, if the controller of the session asks for them. */
-export type LiveSample = Schemas['LiveSample'] & { why?: string[] };
+export type LiveSample = Schemas['LiveSample'];
+export type LiveContact = Schemas['LiveContact'];
 export type ArmView = Schemas['ArmView'];
 export type TimeHistogram = Schemas['TimeHistogram'];
 export type PathCounts = Schemas['PathCounts'];

@@ -111,6 +111,7 @@ export class Watch {
       round_trip_us: 0,
       answered: true,
       channels: answer.channels,
+      contacts: answer.tasks.flatMap(({ contact }, task) => (contact ?? []).map((report, row) => ({ ...report, force: report.force ?? 0, target_force: report.target_force ?? 0, task, row }))),
       ...(answer.why && { why: answer.why }),
       ...(answer.collisions && { room: { report: answer.collisions, obstacles: state.obstacles ?? [] } }),
     };

@@ -114,7 +114,7 @@ pub fn complete(document: &mut Value) {
     let report = &parsed(STEP_IN_A_ROOM)["collisions"];
     document["components"]["schemas"]["LiveRoom"]["properties"]["report"]["examples"] = json!([report]);
     document["components"]["schemas"]["LiveSample"]["properties"]["room"]["examples"] = json!([{"report": report, "obstacles": [{"name": "ball", "position": [0.3, 1.0, 0.5], "velocity": [0.0, 0.1, 0.0]}]}]);
-    for schema in ["ContactReport", "ContactMemory"] {
+    for schema in ["ContactReport", "ContactMemory", "LiveContact"] {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
         document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);
     }

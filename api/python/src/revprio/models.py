@@ -106,6 +106,7 @@ __all__ = [
     "Line",
     "LinkFrame",
     "LinkShape",
+    "LiveContact",
     "LiveFrame",
     "LiveRoom",
     "LiveSample",
@@ -2979,6 +2980,36 @@ class LinkShape(Body):
     """A sphere; either this or `capsule`."""
 
 
+class LiveContact(Answer):
+    """The contact of one axis with the law `contact` in one control period, along its pressing direction.
+
+    Fields:
+
+    - force: Measured force, N or N·m.
+    - row: Row of the task, from 0.
+    - state: State of the contact.
+    - target_force: Target force, N or N·m.
+    - task: Place of the task, from 0, highest priority first.
+    - fault: Why the contact is given up; only in the state `fault`.
+    - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
+    """
+
+    force: float
+    """Measured force, N or N·m."""
+    row: int
+    """Row of the task, from 0."""
+    state: ContactState
+    """State of the contact."""
+    target_force: float
+    """Target force, N or N·m."""
+    task: int
+    """Place of the task, from 0, highest priority first."""
+    fault: ContactFault | None = None
+    """Why the contact is given up; only in the state `fault`."""
+    stiffness: float | None = None
+    """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
+
+
 class PathCounts(Answer):
     """Number of periods per solver path.
 
@@ -3162,9 +3193,12 @@ class LiveSample(Answer):
       priority first.
     - time_s: Simulated time, s.
     - channels: Commands of the channels by name.
+    - contacts: Contacts of the tasks with the law `contact`; absent without such a task.
     - kkt_residual: Relative residual of the optimality conditions; `null` if there is none.
     - room: The room around the arm; absent without collision avoidance, and before the first answer.
     - wall_distance_m: Distance to the wall, m, positive when free; `null` without a wall.
+    - why: What restricts the command and what its tasks give up, in sentences; only if the controller has `"why":
+      true`.
     """
 
     active_inequalities: list[str]
@@ -3205,12 +3239,16 @@ class LiveSample(Answer):
     """Simulated time, s."""
     channels: dict[str, float] | None = None
     """Commands of the channels by name."""
+    contacts: list[LiveContact] = Field(default_factory=list)
+    """Contacts of the tasks with the law `contact`; absent without such a task."""
     kkt_residual: float | None = None
     """Relative residual of the optimality conditions; `null` if there is none."""
     room: LiveRoom | None = None
     """The room around the arm; absent without collision avoidance, and before the first answer."""
     wall_distance_m: float | None = None
     """Distance to the wall, m, positive when free; `null` without a wall."""
+    why: list[str] = Field(default_factory=list)
+    """What restricts the command and what its tasks give up, in sentences; only if the controller has `"why": true`."""
 
 
 class LiveFrame(Answer):

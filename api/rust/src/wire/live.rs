@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    CollisionReport, Controller, Method, ObstacleState, Path, Pose, Simulation, Solver, State, Status, StepAnswer,
-    StreamedTarget, integer, object,
+    CollisionReport, ContactFault, ContactState, Controller, Method, ObstacleState, Path, Pose, Simulation, Solver,
+    State, Status, StepAnswer, StreamedTarget, integer, object,
 };
 
 /// `POST /v1/simulations/{id}/control`: changes to a run. A field that is left out changes nothing.
@@ -185,6 +185,40 @@ pub struct LiveSample {
     /// The room around the arm; absent without collision avoidance, and before the first answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub room: Option<LiveRoom>,
+    /// Contacts of the tasks with the law `contact`; absent without such a task.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"task": 0, "row": 0, "state": "contact", "force": 29.7, "target_force": 30.0, "stiffness": 12000.0}]))]
+    pub contacts: Vec<LiveContact>,
+    /// What restricts the command and what its tasks give up, in sentences; only if the controller has `"why": true`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!(["joint `j6` is at its lower limit", "task `hold` gives up 0.031 rad/s"]))]
+    pub why: Vec<String>,
+}
+
+/// The contact of one axis with the law `contact` in one control period, along its pressing direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LiveContact {
+    /// Place of the task, from 0, highest priority first.
+    #[schema(example = 0)]
+    pub task: usize,
+    /// Row of the task, from 0.
+    #[schema(example = 0)]
+    pub row: usize,
+    /// State of the contact.
+    pub state: ContactState,
+    /// Why the contact is given up; only in the state `fault`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<ContactFault>,
+    /// Measured force, N or N·m.
+    #[schema(example = 29.7)]
+    pub force: f32,
+    /// Target force, N or N·m.
+    #[schema(example = 30.0)]
+    pub target_force: f32,
+    /// Estimated stiffness, N/m or N·m/rad; absent until it is known.
+    #[schema(example = 12_000.0)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f32>,
 }
 
 /// The room around an arm in one control period.

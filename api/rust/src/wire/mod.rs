@@ -55,8 +55,8 @@ pub use joints::{JointVector, NullSpaceMotion, NullSpaceVelocity};
 pub use kinematics::{KinematicsAnswer, KinematicsRequest, LinkFrame, TipPose};
 pub use law::{Law, LawTarget, MotionPath, PostureTarget};
 pub use live::{
-    ArmView, ChainView, JointView, LiveFrame, LiveRoom, LiveSample, PathCounts, SimulationControl, TimeHistogram,
-    WatchedStep,
+    ArmView, ChainView, JointView, LiveContact, LiveFrame, LiveRoom, LiveSample, PathCounts, SimulationControl,
+    TimeHistogram, WatchedStep,
 };
 pub use object::Object;
 pub use outcome::{

@@ -281,6 +281,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         name: &task.name,
         requested: requested(task, &outcome.achieved),
         units: units.clone(),
+        is_posture: false,
     });
     let explained = Explained {
         held_by: None,

@@ -158,7 +158,26 @@ fn live_sample(period: &Observed, config: &ControllerConfig, earlier: Option<&wi
         answered: sample.answered,
         channels: answer.channels.iter().map(|(name, value)| (name.clone(), single(*value))).collect(),
         room: answer.collisions.clone().map(|report| wire::LiveRoom { report, obstacles: obstacles.to_vec() }),
+        contacts: live_contacts(&answer.tasks),
+        why: answer.why.clone(),
     }
+}
+
+/// Returns the contacts of all tasks.
+fn live_contacts(tasks: &[wire::TaskOutcome]) -> Vec<wire::LiveContact> {
+    let of_task = |(task, outcome): (usize, &wire::TaskOutcome)| {
+        let contact = |(row, report): (usize, &wire::ContactReport)| wire::LiveContact {
+            task,
+            row,
+            state: report.state,
+            fault: report.fault,
+            force: single(report.force),
+            target_force: single(report.target_force),
+            stiffness: report.stiffness.and_then(finite),
+        };
+        outcome.contact.iter().enumerate().map(contact).collect::<Vec<_>>()
+    };
+    tasks.iter().enumerate().flat_map(of_task).collect()
 }
 
 /// Returns achieved minus requested velocity of a task, per row.
