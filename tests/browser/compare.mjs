@@ -233,6 +233,30 @@ for (const renderer of ['canvas', 'webgl']) {
   }, { ...small, colorScheme: 'light' }, `?renderer=${renderer}`));
 }
 
+test('the right part has the arm, the path and the target of the chosen ghost, and the same view', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const found = await page.evaluate(async () => {
+    const [compare, { Camera }] = await Promise.all(['compare', 'geometry'].map((name) => import(`/dashboard/${name}.js`)));
+    const camera = Object.assign(new Camera(), { width: 1000, height: 500, azimuth: 1.2 });
+    const free = { left: 100, top: 20, width: 800, height: 400 };
+    const ghosts = ['one', 'two'].map((name, i) => ({ id: `method:${name}`, name, colour: i, arm: name, history: `path of ${name}`, until: i, position: [i], target: [i, 0, 0], away: 0 }));
+    const world = { arm: 'own', name: 'own', position: [9], history: 'own path', ghosts, atLimit: [true], signs: {}, swung: [1], room: null, goal: { pose: { position: [5, 5, 5] } } };
+    const of = (mode) => {
+      compare.fromText(`${mode},0.25,method:two`);
+      Object.assign(camera, { free: compare.firstArea(free, compare.modeOf(world)) });
+      camera.update();
+      return compare.panes(camera, world, free).map(({ camera: { free: area, eye }, world: { name, arm, position, history, goal, ghosts: others, signs }, from, to }) =>
+        ({ area, isSameEye: String(eye) === String(camera.eye), name, arm, position, history, goal: goal.pose.position, others: others.length, hasSigns: signs !== null, from, to }));
+    };
+    return { two: of('two'), divider: of('divider'), ghosts: of('ghosts') };
+  });
+  const own = { isSameEye: true, name: 'own', arm: 'own', position: [9], history: 'own path', goal: [5, 5, 5], others: 0, hasSigns: true, from: 0 };
+  const ghost = { isSameEye: true, name: 'two', arm: 'two', position: [1], history: 'path of two', goal: [1, 0, 0], others: 0, hasSigns: false, to: 1000 };
+  const area = { left: 100, top: 20, width: 800, height: 400 };
+  assert.deepEqual(found.two, [{ ...own, area: { ...area, width: 400 }, to: 500 }, { ...ghost, area: { ...area, left: 500, width: 400 }, from: 500 }]);
+  assert.deepEqual(found.divider, [{ ...own, area, to: 300 }, { ...ghost, area, from: 300 }]);
+  assert.deepEqual(found.ghosts, [{ ...own, area, to: 1000, others: 2 }]);
+}));
+
 test('on a phone the divider and the two scenes can be used by touch', options, async () => {
   const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
   await withPage('scenario=stiff_wall_singular&ghost=damped_least_squares,pseudoinverse', async (page) => {
@@ -258,13 +282,15 @@ test('a GIF film holds its pictures, their times and colours', options, () => wi
     // Smooth colours, noise that fills the table of codes many times, a rectangle that moves, and a picture without a change.
     let seed = 7;
     const random = () => (seed = (seed * 16_807) % 2_147_483_647) / 2_147_483_647;
-    const pictures = [0, 1, 2, 3, 3].map((k) => {
+    const pictures = [0, 1, 2, 3, 3, 4].map((k) => {
       const data = new Uint8ClampedArray(4 * width * height);
       for (let y = 0; y < height; y += 1) {
         for (let x = 0; x < width; x += 1) {
+          const at3 = (x, y) => (x >= 24 && x < 36 && y > 20 && y < 30 ? [230, 100, 10] : [4 * x, 5 * y, 120]);
           const isMoving = k !== 2 && x >= 8 * k && x < 8 * k + 12 && y > 20 && y < 30;
           const colour = k === 2 ? [255 * Math.round(random()), 255 * Math.round(random()), 255 * Math.round(random())] : isMoving ? [230, 100, 10] : [4 * x, 5 * y, 120];
-          data.set([...colour, 255], 4 * (y * width + x));
+          const isCorner = k === 4 && (x === 0 || x === width - 1) && (y === 0 || y === height - 1);
+          data.set([...(isCorner ? [255, 255, 255] : k === 4 ? at3(x, y) : colour), 255], 4 * (y * width + x));
         }
       }
       return data;
@@ -273,7 +299,7 @@ test('a GIF film holds its pictures, their times and colours', options, () => wi
     const counts = new Uint32Array(DEPTH);
     for (const picture of pixels) for (const pixel of picture) counts[pixel] += 1;
     const palette = paletteOf(counts);
-    const delays = [10, 20, 7, 100, 3];
+    const delays = [10, 20, 7, 100, 3, 4];
     const parts = [header(width, height, palette), ...pixels.map((picture, i) => encoded(width, { pixels: picture, delay: delays[i] }, pixels[i - 1] ?? null, palette)), TRAILER];
     const decoder = new ImageDecoder({ data: await new Blob(parts).arrayBuffer(), type: 'image/gif' });
     await decoder.tracks.ready;
@@ -289,11 +315,12 @@ test('a GIF film holds its pictures, their times and colours', options, () => wi
     }
     return { results, repetitions: decoder.tracks.selectedTrack.repetitionCount };
   });
-  assert.equal(found.results.length, 5);
+  assert.equal(found.results.length, 6);
   assert.equal(found.repetitions, Infinity);
-  assert.deepEqual(found.results.map(({ delay }) => delay), [10, 20, 7, 100, 3]);
+  assert.deepEqual(found.results.map(({ delay }) => delay), [10, 20, 7, 100, 3, 4]);
   for (const { worst, mean } of found.results) assert.ok(worst <= 40 && mean < 6, JSON.stringify(found.results));
   assert.ok(found.results[4].size < 40, 'a picture without a change is small');
+  assert.ok(found.results[5].size < 300 && found.results[0].size > 600, `a picture of which only the corners change is small: ${found.results.map(({ size }) => size)}`);
 }));
 
 test('the scene is recorded as a GIF film with at most ten pictures per second', options, () => withPage('scenario=stiff_wall_singular&ghost=damped_least_squares', async (page) => {

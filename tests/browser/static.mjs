@@ -5,7 +5,9 @@ import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { cleanUp, launch, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
+import { deflateRawSync } from 'node:zlib';
+
+import { cleanUp, drop, launch, open, serve, waitForClock, waitForState, waitForText } from './harness.mjs';
 
 /** What `tools/site/playground` wrote, and the folder of the server in which it lies. */
 const FOLDER = process.env.REVPRIO_PLAYGROUND ?? 'target/site/playground';
@@ -116,6 +118,27 @@ test('scenarios with a wall run in the browser until their end', async () => {
     await waitForState(page, 'phase', 'running');
     await waitForState(page, 'phase', 'finished');
   });
+});
+
+test('a recording is followed side by side, and a link with a time and a robot opens, without a service', async () => {
+  await withPage(async (page) => {
+    await drop(page, [['pink.csv', readFileSync('docs/behaviour/out_of_reach-pink.csv', 'utf8')]]);
+    await page.click('text=Follow its target');
+    await waitForText(page, '#description', /follows the target of pink/);
+    await page.click('[data-compare="two"]');
+    await waitForClock(page, 1);
+    await waitForText(page, '#scene-legend', /Strict reverse priority: [\d.]+ (mm|µm) to the target.*pink: [\d.]+ (mm|µm)/);
+  });
+  const urdf = `<robot name="r"><link name="a"/><link name="b"/><link name="c"/>${['a b', 'b c'].map((pair, i) => {
+    const [parent, child] = pair.split(' ');
+    return `<joint name="j${i}" type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="0.3 0 0.1"/><axis xyz="0 ${i} ${1 - i}"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>`;
+  }).join('')}</robot>`;
+  const robot = deflateRawSync(Buffer.from(JSON.stringify({ urdf }))).toString('base64url');
+  const { page, pageErrors, close } = await open(browser, `${url}#scenario=playground&robot=my_r&time=0.4&urdf=${robot}`);
+  await waitForText(page, '#description', /^my_r_[0-9a-f]{10} at rest/);
+  await waitForText(page, '#clock', /^0\.400 s$/);
+  assert.deepEqual(pageErrors, []);
+  await close();
 });
 
 test('the module answers every example as the service does', async () => {
