@@ -45,6 +45,7 @@ struct WipeOptions : PressOptions {
     double stroke_m = 0.1; ///< Way from the start along the axis and back; negative: the other direction.
     double speed = 0.05;   ///< Largest speed, m/s.
     Json frame = "base";   ///< Axes of pressing, motion and hold; a pose for a tilted surface.
+    std::optional<double> max_tilt_rad = {}; ///< Largest tilt of a surface of unknown direction, which the axes follow; default: they stay.
 };
 
 namespace presets {
@@ -98,9 +99,13 @@ inline Json wipe(const std::string& axis, double newtons, const std::string& alo
     const Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half},
                    {"angular_frequency_rad_s", options.speed / std::abs(half)}, {"phase_rad", -std::acos(0.0)}};
     const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
+    Json law = presets::contact_law(newtons, options);
+    if (options.max_tilt_rad) {
+        if (!(*options.max_tilt_rad > 0)) throw std::invalid_argument("give a largest tilt above 0");
+        law["surface"] = {{"max_tilt_rad", *options.max_tilt_rad}};
+    }
     Json tasks = Json::array();
-    tasks.push_back({{"name", "push"}, {"axes", {axis}}, {"frame", options.frame},
-                     {"law", presets::contact_law(newtons, options)}});
+    tasks.push_back({{"name", "push"}, {"axes", {axis}}, {"frame", options.frame}, {"law", law}});
     tasks.push_back({{"name", "wipe"}, {"axes", {along}}, {"frame", options.frame}, {"law", sweep}});
     presets::hold_others(tasks, {axis, along}, options.frame, options);
     return tasks;

@@ -232,6 +232,10 @@ void presets(revprio::Client& client) {
     const Json tasks = wiping.step(now).at("tasks");
     check(tasks.size() == 3 && tasks.at(1).at("name") == "wipe", "a wipe has three tasks");
     expect_throw<std::invalid_argument>([] { revprio::push("z", 0); }, "a push without a force is refused");
+    revprio::WipeOptions following;
+    following.max_tilt_rad = 0.6;
+    const auto followed = revprio::wipe("z", -15, "y", following);
+    check(followed.at(0).at("law").at("surface").at("max_tilt_rad") == 0.6, "a wipe follows a surface");
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "z"); }, "a wipe along the pressing axis is refused");
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "rx"); }, "a wipe that turns is refused");
 }

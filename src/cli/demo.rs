@@ -123,6 +123,7 @@ fn contact_scenario() -> Result<Scenario, CliError> {
             max_force: None,
             retreat_speed: None,
             max_acceleration: None,
+            surface: None,
         });
     }
     Ok(scenario)

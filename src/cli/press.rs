@@ -87,6 +87,9 @@ pub struct SweepOptions {
     /// Largest speed of the motion, m/s
     #[arg(long, default_value_t = 0.05)]
     speed: f64,
+    /// Largest tilt of a surface of unknown direction, whose normal the axes follow, rad; if left out, they stay
+    #[arg(long)]
+    max_tilt_rad: Option<f64>,
 }
 
 pub fn run_push(options: &PushOptions) -> Result<(), CliError> {
@@ -95,7 +98,13 @@ pub fn run_push(options: &PushOptions) -> Result<(), CliError> {
 }
 
 pub fn run_wipe(options: &SweepOptions) -> Result<(), CliError> {
-    let SweepOptions { press, along, stroke_m, speed } = options;
-    let wiping = WipeOptions { press: press.options(), stroke_m: *stroke_m, speed: *speed, frame: Frame::Base };
+    let SweepOptions { press, along, stroke_m, speed, max_tilt_rad } = options;
+    let wiping = WipeOptions {
+        press: press.options(),
+        stroke_m: *stroke_m,
+        speed: *speed,
+        frame: Frame::Base,
+        max_tilt_rad: *max_tilt_rad,
+    };
     press.print(&wipe(press.axis, press.newtons, *along, &wiping)?)
 }

@@ -55,6 +55,70 @@ fn sessions_and_stateless_steps_press_with_the_same_bytes_and_tell_the_contact()
     assert_eq!(memory["contacts"][0]["state"], "contact");
 }
 
+/// A plane that rises along y, with friction.
+#[test]
+fn a_surface_is_followed_with_the_same_bytes_by_sessions_and_stateless_steps() {
+    let service = Service::start();
+    let mut controller = controller(&law());
+    controller["tasks"][0]["law"]["surface"] = json!({"max_tilt_rad": 0.5});
+    let way = json!({"kind": "ramp", "start": [0, 0, 0, 0, 0], "end": [0, 0.02, 0, 0, 0], "start_time_s": 0.8, "duration_s": 0.8});
+    controller["tasks"][1]["law"]["target_displacement"] = way;
+    let session = service.open(&controller);
+    let (tilt, friction) = (0.3_f64, 0.3);
+    let (mut q, mut memory, mut at, mut surface) = (START.to_vec(), Value::Null, [0.0; 2], Value::Null);
+    for sequence in 0..800 {
+        // The plane is 2 mm below the start; its normal is (−sin, cos) of the tilt along y and z.
+        let depth = -(at[1] * tilt.cos() - at[0] * tilt.sin()) - 0.002;
+        let pressed = 1e4 * f64::max(depth, 0.0);
+        let slides = if at[0] > 1e-4 { friction } else { 0.0 };
+        let force = [0.0, pressed * (tilt.sin() + slides * tilt.cos()), pressed * (slides * tilt.sin() - tilt.cos())];
+        let mut state = state(sequence, &q, 0.0);
+        state["wrench"]["force"] = json!(force);
+        let by_session = service.call(&format!("{session}/step"), &state);
+        let stateless = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+        memory = stateless["memory"].clone();
+        surface = by_session["tasks"][0]["contact"][0]["surface"].clone();
+        let velocity: Vec<f64> = serde_json::from_value(by_session["joint_velocity"].clone()).unwrap();
+        let model = &revprio_robot::built_in()[0];
+        let place = |q: &[f64]| {
+            let tool = revprio_robot::kinematics::Configuration::new(model, q).unwrap();
+            [tool.tool_pose().translation.vector.y, tool.tool_pose().translation.vector.z]
+        };
+        let before = place(&q);
+        q.iter_mut().zip(&velocity).for_each(|(q, v)| *q += 0.002 * v);
+        let after = place(&q);
+        at = [at[0] + after[0] - before[0], at[1] + after[1] - before[1]];
+        let answer = |answer: Value| without(answer, &["elapsed_us", "memory"]).to_string();
+        assert_eq!(answer(by_session), answer(stateless));
+    }
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!((number(&surface["normal"][1]) - tilt.sin()).abs() < 0.05, "{surface}");
+    assert!((number(&surface["friction"]) - friction).abs() < 0.05 && surface["is_limited"] == false, "{surface}");
+    assert!(memory["contacts"][0]["normal"].is_object(), "{memory}");
+}
+
+#[test]
+fn a_surface_without_a_meaning_is_refused() {
+    let service = Service::start();
+    let refused = |controller: &Value, pointer: &str| {
+        service.post("/v1/controllers", &controller.to_string()).assert_refused(422, Some(pointer));
+    };
+    for tilt in [json!(0), json!(-0.1), json!(1.5), json!(1e15)] {
+        let mut controller = controller(&law());
+        controller["tasks"][0]["law"]["surface"] = json!({"max_tilt_rad": tilt});
+        refused(&controller, "/tasks/0/law/surface/max_tilt_rad");
+    }
+    let mut rotation = controller(&law());
+    rotation["tasks"][0]["law"]["surface"] = json!({});
+    rotation["tasks"][0]["axes"] = json!(["rz"]);
+    rotation["tasks"][1]["axes"] = json!(["x", "y", "z", "rx", "ry"]);
+    refused(&rotation, "/tasks/0/law/surface");
+    let mut twice = controller(&law());
+    twice["tasks"][0]["law"]["surface"] = json!({});
+    twice["tasks"][1] = json!({"name": "again", "axes": ["x"], "law": twice["tasks"][0]["law"]});
+    refused(&twice, "/tasks/1/law/surface");
+}
+
 #[test]
 fn a_pull_ends_in_a_fault_that_another_controller_ends() {
     let service = Service::start();

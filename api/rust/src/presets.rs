@@ -11,7 +11,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::wire::{Axis, ControllerTask, Frame, Law, PerAxis, Profile, TargetPose};
+use crate::wire::{Axis, ControllerTask, Frame, Law, PerAxis, Profile, SurfaceFollowing, TargetPose};
 
 /// Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it.
 const POSE_GAIN: f64 = 2.0;
@@ -54,12 +54,14 @@ pub struct WipeOptions {
     pub speed: f64,
     /// Axes of pressing, motion and hold; a pose for a tilted surface.
     pub frame: Frame,
+    /// Largest tilt of a surface whose direction is not known, rad. These axes then follow its normal; `None`: they stay.
+    pub max_tilt_rad: Option<f64>,
 }
 
 impl Default for WipeOptions {
     /// 10 cm and back at up to 5 cm/s along an axis of the base.
     fn default() -> Self {
-        Self { press: PressOptions::default(), stroke_m: 0.1, speed: 0.05, frame: Frame::Base }
+        Self { press: PressOptions::default(), stroke_m: 0.1, speed: 0.05, frame: Frame::Base, max_tilt_rad: None }
     }
 }
 
@@ -91,7 +93,7 @@ pub fn push(axis: Axis, newtons: f64, options: &PressOptions) -> Result<Vec<Cont
 /// Returns the tasks that press along one axis and move back and forth along another one. The motion begins with the first state, also
 /// while the tool still approaches the surface.
 pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Result<Vec<ControllerTask>, PresetError> {
-    let WipeOptions { press, stroke_m, speed, frame } = options;
+    let WipeOptions { press, stroke_m, speed, frame, max_tilt_rad } = options;
     if !matches!(along, Axis::X | Axis::Y | Axis::Z) || along == axis {
         return Err(PresetError::Along);
     }
@@ -107,8 +109,12 @@ pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Res
         phase_rad: -FRAC_PI_2,
     };
     let sweep = pose(Some(way), press);
-    let mut tasks =
-        vec![task("push", vec![axis], *frame, contact(newtons, press)?), task("wipe", vec![along], *frame, sweep)];
+    let tilt = max_tilt_rad.map(|tilt| positive("the largest tilt", tilt)).transpose()?;
+    let mut pressing = contact(newtons, press)?;
+    if let Law::Contact { surface, .. } = &mut pressing {
+        *surface = tilt.map(|tilt| SurfaceFollowing { max_tilt_rad: Some(tilt) });
+    }
+    let mut tasks = vec![task("push", vec![axis], *frame, pressing), task("wipe", vec![along], *frame, sweep)];
     tasks.extend(hold(&[axis, along], *frame, press));
     Ok(tasks)
 }
@@ -128,6 +134,7 @@ fn contact(newtons: f64, options: &PressOptions) -> Result<Law, PresetError> {
         max_force: given("the largest force", options.max_force)?,
         retreat_speed: None,
         max_acceleration: None,
+        surface: None,
     })
 }
 
@@ -188,6 +195,14 @@ mod tests {
     }
 
     #[test]
+    fn a_wipe_follows_a_surface_if_it_is_told_how_tilted_that_may_be() {
+        let options = WipeOptions { max_tilt_rad: Some(0.6), ..WipeOptions::default() };
+        let law = |options| serde_json::to_value(&wipe(Axis::Z, -15.0, Axis::X, options).unwrap()[0].law).unwrap();
+        assert_eq!(law(&options)["surface"]["max_tilt_rad"], 0.6);
+        assert!(law(&WipeOptions::default()).get("surface").is_none());
+    }
+
+    #[test]
     fn a_push_holds_what_it_is_told() {
         let options = PressOptions { hold: Some(vec![Axis::Y]), stiffest: Some(1e5), ..PressOptions::default() };
         assert_eq!(push(Axis::X, 5.0, &options).unwrap()[1].axes, Some(vec![Axis::Y]));
@@ -209,6 +224,8 @@ mod tests {
         }
         let still = WipeOptions { stroke_m: 0.0, ..wiping.clone() };
         assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::Stroke));
+        let upright = WipeOptions { max_tilt_rad: Some(0.0), ..wiping.clone() };
+        assert!(wipe(Axis::Z, 5.0, Axis::X, &upright).is_err());
         let still = WipeOptions { speed: f64::NAN, ..wiping };
         assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::NotPositive("the speed")));
     }

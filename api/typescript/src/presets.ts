@@ -52,6 +52,8 @@ export interface WipeOptions extends PushOptions {
   speed?: number;
   /** Axes of pressing, motion and hold; a pose for a tilted surface. Default `"base"`. */
   frame?: Frame;
+  /** Largest tilt of a surface of unknown direction, whose normal these axes follow, rad; default: they stay. */
+  maxTiltRad?: number;
 }
 
 /**
@@ -59,7 +61,7 @@ export interface WipeOptions extends PushOptions {
  * The motion begins with the first state, also while the tool still approaches the surface.
  */
 export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOptions = {}): ControllerTask[] {
-  const { hold = "rest", strokeM = 0.1, speed = 0.05, frame = "base" } = options;
+  const { hold = "rest", strokeM = 0.1, speed = 0.05, frame = "base", maxTiltRad } = options;
   if (!["x", "y", "z"].includes(along) || along === axis) {
     throw new RangeError("move along `x`, `y` or `z`, and along another axis than the one along which the tool presses");
   }
@@ -67,6 +69,7 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     throw new RangeError("give a way; its sign is the direction in which the motion begins");
   }
   if (!Number.isFinite(speed) || speed <= 0) throw new RangeError("give a speed above 0");
+  if (maxTiltRad !== undefined && !(maxTiltRad > 0)) throw new RangeError("give a largest tilt above 0");
   const gain = poseGain(options);
   const half = strokeM / 2;
   const way = {
@@ -76,8 +79,9 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     angular_frequency_rad_s: speed / Math.abs(half),
     phase_rad: -Math.PI / 2,
   };
+  const surface = maxTiltRad === undefined ? {} : { surface: { max_tilt_rad: maxTiltRad } };
   const tasks: ControllerTask[] = [
-    { name: "push", axes: [axis], frame, law: contactLaw(newtons, options) },
+    { name: "push", axes: [axis], frame, law: { ...contactLaw(newtons, options), ...surface } },
     { name: "wipe", axes: [along], frame, law: { kind: "pose", gain, target_displacement: way } },
   ];
   const held = hold === "rest" ? AXES.filter((other) => other !== axis && other !== along) : (hold ?? []);

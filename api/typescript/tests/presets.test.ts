@@ -35,6 +35,9 @@ suite("presets", () => {
     for (const along of ["z", "rx"] as const) assert.throws(() => wipe("z", -15, along), RangeError);
     assert.throws(() => wipe("z", -15, "y", { strokeM: 0 }), RangeError);
     assert.throws(() => wipe("z", -15, "y", { speed: 0 }), RangeError);
+    assert.throws(() => wipe("z", -15, "y", { maxTiltRad: 0 }), RangeError);
+    const [push] = wipe("z", -15, "y", { maxTiltRad: 0.6 });
+    assert.deepEqual(push?.law?.kind === "contact" ? push.law.surface : undefined, { max_tilt_rad: 0.6 });
     const client = testClient((await serve(t)).url);
     const session = await client.session({ robot: "sawyer_dh", period_s: 0.001, tasks });
     const wrench = { force: [0, 0, 0], torque: [0, 0, 0] };

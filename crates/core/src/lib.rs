@@ -174,6 +174,7 @@ pub mod payload;
 pub mod resolution;
 pub mod rows;
 pub mod streaming;
+pub mod surface;
 pub mod tolerances;
 pub mod wrench;
 

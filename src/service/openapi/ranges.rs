@@ -216,6 +216,7 @@ fn law_ranges() -> Vec<FieldRange> {
             retreat_speed: Positive,
             max_acceleration: Positive,
         }
+        wire::SurfaceFollowing { max_tilt_rad: Positive }
         wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
         wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
         wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
@@ -237,6 +238,13 @@ fn memory_ranges() -> Vec<FieldRange> {
             means: Items(2, 2),
             sums: Items(4, 4),
             swing: Items(3, 3),
+        }
+        wire::NormalMemory {
+            normal: Items(3, 3),
+            mean: Items(3, 3),
+            friction: NotNegative,
+            variance: NotNegative,
+            chords: NotNegative,
         }
         wire::WrenchSensorMemory { velocity: Items(3, 3) }
         wire::RestState { fading_since_s: Between(-MAX_TIME_S, MAX_TIME_S) }

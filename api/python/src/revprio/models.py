@@ -115,6 +115,7 @@ __all__ = [
     "Method",
     "MotionPath",
     "NamedScenario",
+    "NormalMemory",
     "NullSpaceMotion",
     "NullSpaceVelocity",
     "Obstacle",
@@ -195,6 +196,8 @@ __all__ = [
     "StreamedTarget",
     "Streaming",
     "StuckTask",
+    "SurfaceFollowing",
+    "SurfaceReport",
     "TareAnswer",
     "TareRequest",
     "TargetAhead",
@@ -538,6 +541,29 @@ ContactFault = Literal["pull", "stays_in_retreat", "force_limit", "stuck"]
 """Why a contact is given up."""
 
 
+class SurfaceReport(Answer):
+    """The normal of a surface that a task follows.
+
+    Fields:
+
+    - is_limited: Whether the surface is tilted by more than `max_tilt_rad`. The force then has an error.
+    - normal: Direction in which the task presses, a unit vector along the axes of the base.
+    - friction: Estimated coefficient of friction; absent until the tool has slid 1 mm.
+    - uncertainty_rad: Rms angle between the normal and single measurements of it over the last 5 mm, rad. It begins
+      with the largest tilt; absent until the tool has slid 1 mm.
+    """
+
+    is_limited: bool
+    """Whether the surface is tilted by more than `max_tilt_rad`. The force then has an error."""
+    normal: FloatArray
+    """Direction in which the task presses, a unit vector along the axes of the base."""
+    friction: float | None = None
+    """Estimated coefficient of friction; absent until the tool has slid 1 mm."""
+    uncertainty_rad: float | None = None
+    """Rms angle between the normal and single measurements of it over the last 5 mm, rad. It begins with the largest
+    tilt; absent until the tool has slid 1 mm."""
+
+
 class ContactReport(Answer):
     """The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
 
@@ -557,6 +583,7 @@ class ContactReport(Answer):
     - force: Measured force along the pressing direction, N or N·m.
     - stiffness: Estimated stiffness, N/m or N·m/rad; absent until it is known.
     - stiffness_uncertainty: Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known.
+    - surface: Normal of the surface; absent for a law without `surface`.
     - target_force: Target force along the pressing direction, N or N·m.
     """
 
@@ -584,6 +611,8 @@ class ContactReport(Answer):
     """Estimated stiffness, N/m or N·m/rad; absent until it is known."""
     stiffness_uncertainty: float | None = None
     """Uncertainty of the estimated stiffness, rms, N/m or N·m/rad; absent until it is known."""
+    surface: SurfaceReport | None = None
+    """Normal of the surface; absent for a law without `surface`."""
     target_force: float | None = None
     """Target force along the pressing direction, N or N·m."""
 
@@ -1831,6 +1860,39 @@ class Contact(Body):
     negative direction. For a plane: the distance of the tool to it, against the normal."""
 
 
+class NormalMemory(Body):
+    """What the law `contact` remembers of the normal of a surface. Vectors are along the axes of the base.
+
+    Fields:
+
+    - chords: Number of measured normals since the touch, up to 5.
+    - force: Filtered force of the tool on the surface, N, and that where the present chord begins.
+    - friction: Coefficient of friction.
+    - is_sliding: Whether position and force are filtered.
+    - mean: Mean of the measured normals; zeros before the first one. Shape: 3.
+    - normal: Direction in which the task presses, a unit vector. Shape: 3.
+    - position: Filtered position of the tool, m, and where the present chord begins.
+    - variance: Mean of the squared angle between the mean and the measured normals, rad².
+    """
+
+    chords: float
+    """Number of measured normals since the touch, up to 5."""
+    force: list[Vector]
+    """Filtered force of the tool on the surface, N, and that where the present chord begins."""
+    friction: float
+    """Coefficient of friction."""
+    is_sliding: bool
+    """Whether position and force are filtered."""
+    mean: Vector
+    """Mean of the measured normals; zeros before the first one. Shape: 3."""
+    normal: Vector
+    """Direction in which the task presses, a unit vector. Shape: 3."""
+    position: list[Vector]
+    """Filtered position of the tool, m, and where the present chord begins."""
+    variance: float
+    """Mean of the squared angle between the mean and the measured normals, rad²."""
+
+
 class ContactMemory(Body):
     """What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or
     rad.
@@ -1858,6 +1920,8 @@ class ContactMemory(Body):
     - swing: Factor of the upper bound, and the largest difference from the target force since the force last
       crossed it and before. Shape: 3.
     - fault: Why the contact is given up; only in the state `fault`.
+    - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
+      period.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
       default zeros.
     """
@@ -1899,6 +1963,8 @@ class ContactMemory(Body):
     before. Shape: 3."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    normal: NormalMemory | None = None
+    """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
     unchanged: Vector | None = None
     """The reading that does not change, the position where it was read first, and the time since then, s; default
     zeros."""
@@ -2046,6 +2112,21 @@ class LookAtLaw(Tagged):
     limits alone."""
 
 
+class SurfaceFollowing(Body):
+    """How the tasks in a frame follow the normal of a surface. It is learnt while the tool slides, from its motion and
+    its force together.
+
+    Fields:
+
+    - max_tilt_rad: Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay
+      there, and the answer says so.
+    """
+
+    max_tilt_rad: float | None = None
+    """Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay there, and the
+    answer says so."""
+
+
 class ContactLaw(Tagged):
     """Pressing on a surface of unknown stiffness. The tool approaches the surface, presses with the target force and
     follows the surface. It needs no gains: the recommended law for contacts. Each axis of the task presses by
@@ -2070,6 +2151,9 @@ class ContactLaw(Tagged):
     - sensor_lag_s: Time constant of the filter of the force sensor, s; default 0.002.
     - stiffest: Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface
       in a row. Set it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
+    - surface: Follows the normal of a surface whose direction is not known: all tasks in the `frame` of this one
+      move along and across the surface instead of along the stated axes. The task has one axis, x, y or z; default:
+      the axes stay as they are stated.
     """
 
     kind: Literal["contact"] = "contact"
@@ -2099,6 +2183,10 @@ class ContactLaw(Tagged):
     stiffest: ArrayLike | None = None
     """Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface in a row. Set
     it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad."""
+    surface: SurfaceFollowing | None = None
+    """Follows the normal of a surface whose direction is not known: all tasks in the `frame` of this one move along and
+    across the surface instead of along the stated axes. The task has one axis, x, y or z; default: the axes stay as
+    they are stated."""
 
 
 class ForceLaw(Tagged):

@@ -25,6 +25,7 @@ from revprio.models import (
     Problem,
     SineProfile,
     StabilityAnswer,
+    SurfaceFollowing,
 )
 
 AXES: tuple[Axis, ...] = get_args(Axis)
@@ -88,6 +89,7 @@ def wipe(  # noqa: PLR0913
     stroke_m: float = 0.1,
     speed: float = 0.05,
     frame: Frame = "base",
+    max_tilt_rad: float | None = None,
     hold: Literal["rest"] | Sequence[Axis] | None = "rest",
     period_s: float = 0.001,
     lag_s: float = LAG_S,
@@ -106,6 +108,8 @@ def wipe(  # noqa: PLR0913
     `along`: axis of the motion, x, y or z; `stroke_m`: way from the start along this axis and back, m, negative for the
     other direction; `speed`: largest speed, m/s.
     `frame`: axes of both, the base by default; a `Pose` for a tilted surface.
+    `max_tilt_rad`: largest tilt of a surface of unknown direction, whose normal all these axes follow, rad; `None`:
+    they stay. See docs/contact.md.
     `hold`: axes of the same frame that a third task holds; `"rest"`: all others; `None`: no third task.
     The other arguments are those of `push`.
     """
@@ -115,11 +119,15 @@ def wipe(  # noqa: PLR0913
         raise _invalid("/stroke_m", "give a way; its sign is the direction in which the motion begins")
     if _finite("/speed", speed) <= 0:
         raise _invalid("/speed", "give a number above 0")
+    if max_tilt_rad is not None and _finite("/max_tilt_rad", max_tilt_rad) <= 0:
+        raise _invalid("/max_tilt_rad", "give a number above 0")
     gain = pose_gain(lag_s + delay_periods * period_s)
     half = stroke_m / 2
     # From the start and back: half − half cos ω t.
     way = SineProfile(offset=half, amplitude=half, angular_frequency_rad_s=speed / abs(half), phase_rad=-math.pi / 2)
     law = _contact(newtons, approach_speed, stiffest, max_force)
+    if max_tilt_rad is not None:
+        law = law.model_copy(update={"surface": SurfaceFollowing(max_tilt_rad=max_tilt_rad)})
     sweep = PoseLaw(gain=gain, target_displacement=way)
     held = [other for other in AXES if other not in (axis, along)] if hold == "rest" else list(hold or [])
     tasks = [

@@ -32,6 +32,36 @@ pub enum ContactFault {
     Stuck,
 }
 
+/// How the tasks in a frame follow the normal of a surface. It is learnt while the tool slides, from its motion and its force together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceFollowing {
+    /// Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay there, and the answer says so.
+    #[schema(example = 0.6)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_tilt_rad: Option<f64>,
+}
+
+/// The normal of a surface that a task follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SurfaceReport {
+    /// Direction in which the task presses, a unit vector along the axes of the base.
+    #[schema(example = json!([0.34, 0.0, -0.94]))]
+    pub normal: [f64; 3],
+    /// Estimated coefficient of friction; absent until the tool has slid 1 mm.
+    #[schema(example = 0.31)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// Rms angle between the normal and single measurements of it over the last 5 mm, rad. It begins with the largest tilt; absent until
+    /// the tool has slid 1 mm.
+    #[schema(example = 0.01)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty_rad: Option<f64>,
+    /// Whether the surface is tilted by more than `max_tilt_rad`. The force then has an error.
+    #[schema(example = false)]
+    pub is_limited: bool,
+}
+
 /// The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ContactReport {
@@ -79,6 +109,40 @@ pub struct ContactReport {
     /// Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m.
     #[schema(example = 32.7)]
     pub unavoidable_peak: f64,
+    /// Normal of the surface; absent for a law without `surface`.
+    #[schema(example = json!({"normal": [0.34, 0.0, -0.94], "friction": 0.31, "uncertainty_rad": 0.01, "is_limited": false}))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceReport>,
+}
+
+/// What the law `contact` remembers of the normal of a surface. Vectors are along the axes of the base.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NormalMemory {
+    /// Direction in which the task presses, a unit vector.
+    #[schema(example = json!([0.6, 0.0, -0.8]))]
+    pub normal: [f64; 3],
+    /// Mean of the measured normals; zeros before the first one.
+    #[schema(example = json!([0.59, 0.0, -0.79]))]
+    pub mean: [f64; 3],
+    /// Coefficient of friction.
+    #[schema(example = 0.31)]
+    pub friction: f64,
+    /// Mean of the squared angle between the mean and the measured normals, rad².
+    #[schema(example = 1e-4)]
+    pub variance: f64,
+    /// Number of measured normals since the touch, up to 5.
+    #[schema(example = 5.0)]
+    pub chords: f64,
+    /// Whether position and force are filtered.
+    #[schema(example = true)]
+    pub is_sliding: bool,
+    /// Filtered position of the tool, m, and where the present chord begins.
+    #[schema(example = json!([[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]]))]
+    pub position: [[f64; 3]; 2],
+    /// Filtered force of the tool on the surface, N, and that where the present chord begins.
+    #[schema(example = json!([[17.0, 0.0, -12.0], [17.0, 0.0, -12.0]]))]
+    pub force: [[f64; 3]; 2],
 }
 
 /// What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or rad.
@@ -143,4 +207,9 @@ pub struct ContactMemory {
     #[schema(example = json!([29.9, 0.012, 0.0]))]
     #[serde(default)]
     pub unchanged: [f64; 3],
+    /// What is known of the normal of the surface; absent for a law without `surface`, and before the first period.
+    #[schema(example = json!({"normal": [0.6, 0.0, -0.8], "mean": [0.59, 0.0, -0.79], "friction": 0.31, "variance": 1e-4, "chords": 5.0,
+        "is_sliding": true, "position": [[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]], "force": [[17.0, 0.0, -12.0], [17.0, 0.0, -12.0]]}))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<NormalMemory>,
 }

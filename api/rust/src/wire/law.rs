@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::string_or_map::string_or_object;
-use super::{PerAxis, Profile, TargetPose};
+use super::{PerAxis, Profile, SurfaceFollowing, TargetPose};
 use super::{defaults, object};
 
 /// The law that computes the velocity of a task.
@@ -120,6 +120,11 @@ pub enum Law {
         /// Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5 m/s² and 50 rad/s².
         #[serde(skip_serializing_if = "Option::is_none")]
         max_acceleration: Option<PerAxis<f64>>,
+        /// Follows the normal of a surface whose direction is not known: all tasks in the `frame` of this one move along and across the
+        /// surface instead of along the stated axes. The task has one axis, x, y or z; default: the axes stay as they are stated.
+        #[schema(example = json!({"max_tilt_rad": 0.6}))]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        surface: Option<SurfaceFollowing>,
     },
     /// Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.
     Force {

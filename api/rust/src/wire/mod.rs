@@ -43,7 +43,9 @@ pub use collision::{
     Capsule, CollisionPairs, CollisionReport, CollisionRows, Collisions, Cuboid, HalfSpace, LeftOutPair, LinkShape,
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
-pub use contact::{ContactFault, ContactMemory, ContactReport, ContactState};
+pub use contact::{
+    ContactFault, ContactMemory, ContactReport, ContactState, NormalMemory, SurfaceFollowing, SurfaceReport,
+};
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};
 pub use enums::{

@@ -5,11 +5,12 @@ mod motion;
 
 use std::sync::Arc;
 
-use nalgebra::IsometryMatrix3;
+use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_robot::RobotModel;
-use revprio_robot::kinematics::{Configuration, ConfigurationError};
+use revprio_robot::kinematics::{Configuration, ConfigurationError, TaskFrame};
 use revprio_robot::profile::Profile;
 
+use crate::surface::{FollowedSurface, KnownContact};
 use crate::wrench::SensorState;
 pub(crate) use capability::JointCapability;
 pub use motion::{Ahead, JointBraking, JointMotion};
@@ -38,6 +39,8 @@ pub(crate) struct ArmState {
     pub wrenches: Vec<[f64; 6]>,
     /// What the sensors of the wrenches remember, in their order.
     pub sensors: Vec<SensorState>,
+    /// The surfaces whose normals task frames follow.
+    pub surfaces: Vec<FollowedSurface>,
     /// Tool pose at the first step, base frame, m.
     pub initial_pose: IsometryMatrix3<f64>,
     /// L + D T, the time for which the arm goes to rest at a constant velocity, s.
@@ -106,6 +109,7 @@ impl ArmState {
             twist: [0.0; 6],
             wrenches: vec![[0.0; 6]; robot.tips().len()],
             sensors: Vec::new(),
+            surfaces: Vec::new(),
             initial_pose: *measured.tool_pose(),
             time_to_rest,
             distance_to_rest: zeros.clone(),
@@ -143,6 +147,27 @@ impl ArmState {
             Some(initial) if initial.joint_position() != joint_position => initial.update(&self.robot, joint_position),
             Some(_) | None => Ok(()),
         }
+    }
+
+    /// Continues the surfaces; `known`: what is known of the contact of an index among all axes with the contact law.
+    pub fn recall_surfaces(&mut self, known: impl Fn(usize) -> KnownContact) {
+        for surface in &mut self.surfaces {
+            surface.recall(known(surface.contact), &self.measured);
+        }
+    }
+
+    /// Updates the normals of the surfaces by the wrenches; `time`: since the last state, s. Returns whether all are finite.
+    pub fn update_surfaces(&mut self, time: f64) -> bool {
+        for surface in &mut self.surfaces {
+            let [x, y, z, ..] = self.wrenches[surface.tip];
+            surface.update(&self.measured, (Vector3::new(x, y, z), time));
+        }
+        self.surfaces.iter().all(|surface| surface.estimate.is_valid())
+    }
+
+    /// Returns the rotation from the stated axes of a task frame to those of the surface that it follows; `None`: it follows none.
+    pub fn turn_of(&self, frame: &TaskFrame) -> Option<&Rotation3<f64>> {
+        self.surfaces.iter().find(|surface| surface.turns(frame)).map(|surface| &surface.turn)
     }
 
     /// Returns the arm's posture at the first step; the measured one if no task needs it.

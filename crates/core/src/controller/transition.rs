@@ -65,6 +65,8 @@ impl Controller {
         let mut arm = new.allocate_arm()?;
         arm.move_to(&rest, memory.last_command.as_slice())?;
         arm.initial_pose = memory.initial_pose;
+        let contacts = kept_contacts(memory, old, new);
+        arm.recall_surfaces(|index| contacts.get(index).map(ContactAxis::known).unwrap_or_default());
         let initial = Memory::at_start(new, arm.measured());
         Ok(Memory {
             start_time_s: memory.start_time_s,
@@ -75,7 +77,7 @@ impl Controller {
             target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
-            contacts: kept_contacts(memory, old, new),
+            contacts,
             wrench_sensors: if new.wrench_sensors == old.wrench_sensors {
                 memory.wrench_sensors.clone()
             } else {
@@ -133,10 +135,12 @@ fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig
     for task in new.tasks.iter().filter(|task| task.law.contact().is_some()) {
         let same = task_index(old, &task.name).filter(|&k| old.tasks[k].rows == task.rows);
         let known = same.and_then(|k| Some((k, old.contacts_of(k, &memory.contacts)?)));
+        let follows = |task: &TaskConfig| task.law.contact().is_some_and(|law| law.surface().is_some());
         let direction = |task: &TaskConfig, row| task.law.contact().map(|law| law.direction(row));
         for row in 0..task.rows.len() {
-            // The memory is along the pressing direction.
+            // The memory is along the pressing direction, which may be that of a surface.
             let known = known.filter(|(k, _)| direction(&old.tasks[*k], row) == direction(task, row));
+            let known = known.filter(|(k, _)| follows(&old.tasks[*k]) == follows(task));
             let axis = known.map_or(ContactAxis::START, |(_, known)| known[row]);
             let is_fault = matches!(axis.phase, ContactPhase::Fault(_));
             contacts.push(if is_fault { ContactAxis::START } else { axis });

@@ -46,13 +46,18 @@ impl ToolRows {
 
     /// Overwrites `jacobian` with J_k, m × n.
     pub(super) fn write_jacobian(&self, at: ArmAt, jacobian: &mut Matrix) {
-        self.frame.at(at.configuration).write_rows(&self.axes, jacobian);
+        self.placed(at).write_rows(&self.axes, jacobian);
     }
 
     /// Returns J_k q̇, m.
     pub(super) fn velocity(&self, at: ArmAt) -> TaskVector {
-        let placed = self.frame.at(at.configuration);
+        let placed = self.placed(at);
         self.select(&placed.body_twist(&at.arm.joint_velocity).unwrap_or_else(|| placed.twist(&at.arm.twist)))
+    }
+
+    /// Places the frame, whose axes follow the normal of a surface if a task in it does.
+    fn placed<'a>(&'a self, at: ArmAt<'a>) -> PlacedFrame<'a> {
+        self.frame.at(at.configuration).turned(at.arm.turn_of(&self.frame))
     }
 
     /// Selects the entries of a twist or a wrench, m.
@@ -64,7 +69,7 @@ impl ToolRows {
     /// Returns the state for the law; `velocity`: Ẋ, m.
     pub(super) fn state(&self, velocity: TaskVector, at: ArmAt, streamed: Option<&ActiveStream>) -> TaskState {
         let ArmAt { arm, configuration, time_s } = at;
-        let placed = self.frame.at(configuration);
+        let placed = self.placed(at);
         let rows = |[linear, angular]: [Vector3<f64>; 2]| self.select(&placed.components(linear, angular));
         let target = streamed.and_then(MovingPose::streamed).unwrap_or_else(|| self.target(arm, time_s));
         let actual = self.pose(configuration);
@@ -115,7 +120,8 @@ impl ToolRows {
     /// Returns the measured pose with a velocity of the task, m.
     pub(super) fn actual(&self, velocity: &[f64], at: ArmAt) -> Reference {
         let pose = self.pose(at.configuration);
-        let velocity = self.displacement(velocity, &pose.rotation);
+        let axes = self.rotation(&pose.rotation);
+        let velocity = self.displacement(velocity, &at.arm.turn_of(&self.frame).map_or(axes, |turn| turn * axes));
         Reference { value: TargetValue::Pose(quaternion_pose(&pose)), velocity }
     }
 
@@ -144,15 +150,14 @@ impl ToolRows {
     /// Returns the velocity of a streamed target along the rows as a displacement per second, base axes.
     pub(super) fn target_velocity(&self, velocity: &[f64], target: &TargetValue) -> TaskVector {
         match target {
-            TargetValue::Pose(pose) => self.displacement(velocity, &pose.rotation.to_rotation_matrix()),
+            TargetValue::Pose(pose) => self.displacement(velocity, &self.rotation(&pose.rotation.to_rotation_matrix())),
             TargetValue::Rows(_) => TaskVector::from_slice(velocity),
         }
     }
 
-    /// Returns entries of the rows as a linear and an angular vector, base axes; `target`: the orientation whose axes the
-    /// tool frame stands for.
-    fn displacement(&self, entries: &[f64], target: &Rotation3<f64>) -> TaskVector {
-        let [linear, angular] = self.vectors(entries, &self.rotation(target));
+    /// Returns entries of the rows as a linear and an angular vector, base axes; `axes`: the rotation from the rows to these.
+    fn displacement(&self, entries: &[f64], axes: &Rotation3<f64>) -> TaskVector {
+        let [linear, angular] = self.vectors(entries, axes);
         TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     }
 
@@ -169,7 +174,8 @@ impl ToolRows {
         }
     }
 
-    /// Returns the rotation from the axes of the rows to the base axes.
+    /// Returns the rotation from the stated axes of the rows to the base axes; `target`: the orientation whose axes the tool frame
+    /// stands for.
     fn rotation(&self, target: &Rotation3<f64>) -> Rotation3<f64> {
         match self.frame.frame {
             Frame::Base => Rotation3::identity(),

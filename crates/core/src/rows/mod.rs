@@ -49,6 +49,14 @@ impl TaskRows {
         }
     }
 
+    /// Returns whether both are rows of axes of the same body and frame; the reference points may differ.
+    pub(crate) fn has_axes_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Tool(a), Self::Tool(b)) => a.frame.body == b.frame.body && a.frame.frame == b.frame.frame,
+            _ => false,
+        }
+    }
+
     /// Returns whether the rows move another body than the tool, or see it from another link than the base.
     pub fn has_body(&self) -> bool {
         match self {

@@ -7,5 +7,7 @@ mod events;
 #[expect(dead_code, reason = "the example uses the rest")]
 mod grid;
 mod laws;
+#[expect(dead_code, reason = "the example uses the rest")]
+mod passivity;
 mod plant;
 mod pressing;

@@ -4,7 +4,19 @@
 //! mass m with a PI velocity loop of the bandwidth ω_v: stiffness m ω_v², damping 2 m ω_v. The wall is a spring with a damping
 //! ratio of 0.02 that never pulls; the sensor is a first-order filter with white noise.
 
+#[path = "noise.rs"]
+mod noise;
+#[path = "random_wall.rs"]
+mod random_wall;
+
 use std::collections::VecDeque;
+
+pub use noise::Noise;
+use random_wall::RandomWall;
+pub use random_wall::STIFFNESS;
+
+/// Speed with which F_d fills the tank of the law up, m/s.
+const REFILL_SPEED: f64 = 0.05;
 
 /// What happens to the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +33,8 @@ pub enum Event {
     Leave(f64, f64),
     /// At a time, s, the wall moves away at a speed, m/s, for another time, s, and then returns at the same speed.
     LeaveAndReturn(f64, f64, f64),
+    /// From a time, s, on for another time, s, the wall leaves, pushes, moves and changes its stiffness at random.
+    Random(f64, f64),
 }
 
 /// The conditions of one run.
@@ -102,6 +116,7 @@ impl Conditions {
             Event::Slope(t, _) | Event::Push(t, _) => (t, 0.0),
             Event::Leave(t, way) => (t, way / self.speed + 2.0 * self.travel()),
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
+            Event::Random(t, time) => (t, time),
         };
         0.02 + self.hold + 1.5 * self.travel() + event + lasts
     }
@@ -137,33 +152,11 @@ pub struct Outcome {
     pub settled: bool,
     /// Largest energy that the wall got, J.
     pub energy: f64,
+    /// Largest energy that the wall got beyond F_d × 5 cm/s since the start, and in any time, J.
+    pub beyond_refill: [f64; 2],
+    /// The largest stiffness, N/m, and the largest speed towards the tool, m/s, of a wall that changes at random.
+    pub hardest: [f64; 2],
     pub fault: bool,
-}
-
-/// A small generator: xorshift with the method of Box and Muller.
-pub struct Noise(u64);
-
-impl Noise {
-    pub fn new(seed: u64) -> Self {
-        let mut noise = Self(seed.wrapping_mul(2_654_435_761).wrapping_add(88_172_645_463_325_252));
-        for _ in 0..8 {
-            noise.uniform();
-        }
-        noise
-    }
-
-    /// A number between 0 and 1.
-    pub fn uniform(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / 9_007_199_254_740_992.0
-    }
-
-    pub fn normal(&mut self) -> f64 {
-        let (u, v) = (self.uniform() + 1e-300, self.uniform());
-        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).sin()
-    }
 }
 
 /// The state of drive, wall and sensor.
@@ -176,6 +169,7 @@ struct Plant<'a> {
     tool: [f64; 2],
     time: f64,
     depth_at_event: Option<f64>,
+    random: Option<RandomWall>,
     reading: f64,
 }
 
@@ -184,7 +178,7 @@ impl Plant<'_> {
     fn wall(&self) -> f64 {
         let since = |t: f64| (self.time - t).max(0.0);
         match self.terms.event {
-            Event::None | Event::Layer(..) | Event::Slope(..) => 0.0,
+            Event::None | Event::Layer(..) | Event::Slope(..) | Event::Random(..) => 0.0,
             Event::Push(t, way) => -way * (since(t) / 0.01).min(1.0),
             Event::Leave(t, way) => {
                 if self.time > t {
@@ -203,6 +197,9 @@ impl Plant<'_> {
     /// Force of the tool on the wall, N.
     fn force(&mut self) -> f64 {
         let terms = self.terms;
+        if let Some(wall) = &self.random {
+            return wall.force(self.tool);
+        }
         let depth = self.tool[0] - self.wall();
         if depth <= 0.0 {
             return 0.0;
@@ -223,6 +220,9 @@ impl Plant<'_> {
     /// Advances by `dt` under the active command; returns the force.
     fn advance(&mut self, active: f64, dt: f64) -> f64 {
         let terms = self.terms;
+        if let Some(wall) = &mut self.random {
+            wall.advance(self.time, self.tool[0], dt);
+        }
         let [x, v] = self.reference;
         let remaining = if terms.lag > 0.0 { (-dt / terms.lag).exp() } else { 0.0 };
         let velocity = active + (v - active) * remaining;
@@ -267,6 +267,7 @@ fn whole(ratio: f64) -> usize {
 fn substeps(terms: &Conditions) -> usize {
     let stiffness = match terms.event {
         Event::Layer(_, factor) | Event::Slope(_, factor) => terms.stiffness * factor.max(1.0),
+        Event::Random(..) => STIFFNESS[1],
         _ => terms.stiffness,
     };
     let mut dt: f64 = 5e-5;
@@ -293,16 +294,25 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         tool: [start, terms.speed],
         time: 0.0,
         depth_at_event: None,
+        random: match terms.event {
+            Event::Random(rests, _) => Some(RandomWall::new(terms.stiffness, rests, terms.seed)),
+            _ => None,
+        },
         reading: 0.0,
     };
     let event = match terms.event {
         Event::None | Event::Layer(..) => f64::INFINITY,
-        Event::Slope(t, _) | Event::Push(t, _) | Event::Leave(t, _) | Event::LeaveAndReturn(t, ..) => t,
+        Event::Slope(t, _)
+        | Event::Push(t, _)
+        | Event::Leave(t, _)
+        | Event::LeaveAndReturn(t, ..)
+        | Event::Random(t, _) => t,
     };
     let mut noise = Noise::new(terms.seed);
     let mut outcome = Outcome { least_after: f64::INFINITY, ..Outcome::default() };
     let (band, end) = ((0.05 * terms.target).max(1.0), terms.duration());
-    let (mut touch, mut is_in, mut losses_at_end, mut energy) = (None, false, 0, 0.0);
+    let (mut touch, mut is_in, mut losses_at_end) = (None, false, 0);
+    let (mut force, mut energy, mut beyond) = (0.0, 0.0, [0.0; 2]);
     let (mut outside, mut outside_after) = (None, None);
     let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
     let periods = whole(end / terms.period);
@@ -311,12 +321,15 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         let command = controller.command(reading, plant.tool[1]);
         plant.queue.push_back(command);
         let active = plant.queue.pop_front().unwrap_or(command);
-        let mut force = 0.0;
         for _ in 0..n {
-            let before = plant.tool[0];
+            let before = (plant.tool[0], force);
             force = plant.advance(active, dt);
-            energy += force * (plant.tool[0] - before);
+            let given = 0.5 * (before.1 + force) * (plant.tool[0] - before.0);
+            energy += given;
             outcome.energy = outcome.energy.max(energy);
+            let surplus = given - REFILL_SPEED * terms.target * dt;
+            beyond = [beyond[0] + surplus, f64::max(0.0, beyond[1] + surplus)];
+            outcome.beyond_refill = [0, 1].map(|i| outcome.beyond_refill[i].max(beyond[i]));
             let now = force > 0.0;
             if now {
                 touch.get_or_insert(plant.time);
@@ -353,6 +366,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         outcome.rms = (squares / count - outcome.error * outcome.error).max(0.0).sqrt();
     }
     outcome.settled = count > 0.0 && losses_at_end == 0 && outcome.rms < band && outcome.error.abs() < band;
+    outcome.hardest = plant.random.map_or([terms.stiffness, 0.0], |wall| wall.hardest);
     outcome.fault = controller.has_fault();
     outcome
 }

@@ -6,6 +6,7 @@ use revprio_core::law::{
     ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, StiffnessEstimate,
     SurfaceMotion, Swing, Unchanged,
 };
+use revprio_core::surface::{NormalEstimate, NormalReport, SurfaceSettings};
 use revprio_robot::kinematics::{Axis, AxisSelection};
 
 use super::checks::{Inside, Result, check, each};
@@ -16,7 +17,7 @@ use crate::error::ApiError;
 
 /// Reads the law for axes of the tool; `None`: it is another law. Pointers begin at the law.
 pub fn contact_law(law: &wire::Law, axes: &AxisSelection) -> Result<Option<ContactLaw>> {
-    let wire::Law::Contact { target_force, sensor_lag_s, .. } = law else { return Ok(None) };
+    let wire::Law::Contact { target_force, sensor_lag_s, surface, .. } = law else { return Ok(None) };
     let rows = PerRow { rows: axes.len() };
     let target = rows.profile(target_force).inside("/target_force")?;
     let is_angular = |axis: &Axis| matches!(axis, Axis::Rx | Axis::Ry | Axis::Rz);
@@ -34,7 +35,16 @@ pub fn contact_law(law: &wire::Law, axes: &AxisSelection) -> Result<Option<Conta
             settings.sensor_lag = lag;
         }
     }
-    ContactLaw::new(target, settings).map(Some).map_err(|error| refused(&error, law))
+    let contact = ContactLaw::new(target, settings);
+    let contact = match surface {
+        Some(surface) => {
+            let given = surface.max_tilt_rad.map(|tilt| number(tilt, "/surface/max_tilt_rad")).transpose()?;
+            let settings = given.map_or_else(SurfaceSettings::default, |max_tilt| SurfaceSettings { max_tilt });
+            contact.and_then(|contact| contact.with_surface(settings))
+        }
+        None => contact,
+    };
+    contact.map(Some).map_err(|error| refused(&error, law))
 }
 
 /// A field of the law with one value per axis.
@@ -73,6 +83,8 @@ const FIELDS: [Field; 7] = [
 
 fn refused(error: &ContactLawError, law: &wire::Law) -> ApiError {
     let pointer = match error {
+        ContactLawError::Surface => "/surface".to_owned(),
+        ContactLawError::Range { field: "max_tilt_rad", .. } => "/surface/max_tilt_rad".to_owned(),
         ContactLawError::Range { field, row, .. } => {
             let values = FIELDS.iter().find(|known| known.name == *field).and_then(|field| field.values(law));
             values.map_or(format!("/{field}"), |values| at_row(values, &format!("/{field}"), *row))
@@ -108,6 +120,16 @@ pub fn contact_answer(report: &ContactReport) -> wire::ContactReport {
         energy_j: report.energy,
         approach_speed: report.approach_speed,
         unavoidable_peak: report.unavoidable_peak,
+        surface: report.normal.as_ref().map(surface_answer),
+    }
+}
+
+fn surface_answer(report: &NormalReport) -> wire::SurfaceReport {
+    wire::SurfaceReport {
+        normal: report.normal.into(),
+        friction: report.friction,
+        uncertainty_rad: report.deviation,
+        is_limited: report.is_limited,
     }
 }
 
@@ -162,7 +184,47 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         motion: SurfaceMotion { mean, slope: seen, velocity },
         swing: Swing { factor, amplitude, before, above: axis.is_above },
         unchanged: Unchanged { force: unchanged, position: since, time },
+        normal: axis.normal.as_ref().map_or(Ok(NormalEstimate::START), normal_memory)?,
     })
+}
+
+fn normal_memory(memory: &wire::NormalMemory) -> Result<NormalEstimate> {
+    let ([position, from], [force, from_force]) = (memory.position, memory.force);
+    for (vector, pointer) in [
+        (memory.normal, "/normal/normal"),
+        (memory.mean, "/normal/mean"),
+        (position, "/normal/position/0"),
+        (from, "/normal/position/1"),
+        (force, "/normal/force/0"),
+        (from_force, "/normal/force/1"),
+    ] {
+        check_numbers(&vector, pointer)?;
+    }
+    Ok(NormalEstimate {
+        normal: memory.normal.into(),
+        mean: memory.mean.into(),
+        friction: number(memory.friction, "/normal/friction")?,
+        variance: number(memory.variance, "/normal/variance")?,
+        chords: number(memory.chords, "/normal/chords")?,
+        is_sliding: memory.is_sliding,
+        position: position.into(),
+        force: force.into(),
+        begin: [from.into(), from_force.into()],
+    })
+}
+
+fn normal_answer(estimate: &NormalEstimate) -> wire::NormalMemory {
+    let [from, from_force] = estimate.begin;
+    wire::NormalMemory {
+        normal: estimate.normal.into(),
+        mean: estimate.mean.into(),
+        friction: estimate.friction,
+        variance: estimate.variance,
+        chords: estimate.chords,
+        is_sliding: estimate.is_sliding,
+        position: [estimate.position.into(), from.into()],
+        force: [estimate.force.into(), from_force.into()],
+    }
 }
 
 fn phase(state: wire::ContactState, fault: Option<wire::ContactFault>) -> Result<ContactPhase> {
@@ -203,5 +265,6 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
         unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],
+        normal: (axis.normal != NormalEstimate::START).then(|| normal_answer(&axis.normal)),
     }
 }

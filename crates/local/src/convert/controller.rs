@@ -130,6 +130,7 @@ fn config_pointer(error: &ConfigError) -> String {
             format!("/tasks/{task}/streaming/{}", source.field())
         }
         ConfigError::Task { task, source } => format!("/tasks/{task}{}", task_field(source)),
+        ConfigError::Surfaces { task } => format!("/tasks/{task}/law/surface"),
         ConfigError::Path { task } => format!("/tasks/{task}/law"),
         ConfigError::Limits { .. } | ConfigError::Unplanned => "/limits".to_owned(),
         ConfigError::Collisions(_) | ConfigError::CollisionsTwice => "/collisions".to_owned(),

@@ -143,6 +143,17 @@ impl PlacedFrame<'_> {
         }
     }
 
+    /// Returns the frame with axes that are turned by a rotation, base axes.
+    pub fn turned(self, rotation: Option<&Rotation3<f64>>) -> Self {
+        let Some(rotation) = rotation else { return self };
+        Self { axes: Some(self.axes.map_or(*rotation, |axes| rotation * axes)), ..self }
+    }
+
+    /// Converts a vector from the axes of this frame to base axes.
+    pub fn to_base(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        self.axes.map_or(*vector, |axes| axes * vector)
+    }
+
     /// Returns whether nothing has to be converted.
     fn is_at_tool_along_base(&self) -> bool {
         self.axes.is_none() && self.lever.is_none()

@@ -44,6 +44,12 @@ pub enum ConfigError {
         /// Index of the first task that differs, from 0.
         task: usize,
     },
+    /// Two tasks follow the normals of surfaces with the axes of one frame.
+    #[error("two tasks follow the normal of a surface in the same frame; give `surface` to one of them")]
+    Surfaces {
+        /// Index of the second of the two tasks, from 0.
+        task: usize,
+    },
     /// Laws that look ahead plan with the speed and the deceleration of each joint, and the limits do not state them.
     #[error(
         "a law with `path` plans with the speeds and decelerations of the joints; give the limits `position_velocity_acceleration` \

@@ -145,6 +145,7 @@ impl ControllerConfig {
                 return Err(ConfigError::Path { task: index });
             }
         }
+        self.check_surfaces()?;
         if self.path().is_some() && !self.joint_capability().is_known() {
             return Err(ConfigError::Unplanned);
         }
@@ -152,6 +153,18 @@ impl ControllerConfig {
             Some(motion) => Ok(motion.check(&self.robot, self.period_s)?),
             None => Ok(()),
         }
+    }
+
+    /// Checks that no frame follows two surfaces.
+    fn check_surfaces(&self) -> Result<(), ConfigError> {
+        let follows = |task: &TaskConfig| task.law.contact().is_some_and(|law| law.surface().is_some());
+        for (task, of) in self.tasks.iter().enumerate().filter(|(_, task)| follows(task)) {
+            let is_same = |earlier: &TaskConfig| follows(earlier) && earlier.rows.has_axes_of(&of.rows);
+            if self.tasks[..task].iter().any(is_same) {
+                return Err(ConfigError::Surfaces { task });
+            }
+        }
+        Ok(())
     }
 
     /// Checks the sensors, and that no tip has two.

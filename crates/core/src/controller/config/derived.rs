@@ -13,6 +13,8 @@ use crate::law::{ContactAxis, ContactContradiction, ContactLaw, Law, MotionPath}
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
 use crate::linalg::Damping;
 use crate::resolution::Solver;
+use crate::rows::TaskRows;
+use crate::surface::FollowedSurface;
 use crate::wrench::{WrenchSensor, WrenchTerms};
 
 /// Part of the lag and the dead time that may differ from what is stated. A choice: the damping fades over a wider range the larger
@@ -151,7 +153,25 @@ impl ControllerConfig {
             half_way,
             acceleration: self.keeps_jerk(),
         };
-        ArmState::new(&self.robot, self.joint_capability(), needs, time_to_rest)
+        let mut arm = ArmState::new(&self.robot, self.joint_capability(), needs, time_to_rest)?;
+        arm.surfaces = self.followed_surfaces();
+        Ok(arm)
+    }
+
+    /// Returns the surfaces whose normals task frames follow.
+    fn followed_surfaces(&self) -> Vec<FollowedSurface> {
+        let mut axes = 0;
+        let mut surfaces = Vec::new();
+        for task in &self.tasks {
+            let Some(law) = task.law.contact() else { continue };
+            if let (Some(settings), TaskRows::Tool(rows)) = (law.surface(), &task.rows) {
+                let tip = rows.frame.tip(&self.robot).unwrap_or_default();
+                let axis = (rows.axes.axes()[0], law.direction(0));
+                surfaces.push(FollowedSurface::new((axes, tip), rows.frame, axis, (*settings, law.axes()[0].softest)));
+            }
+            axes += law.rows();
+        }
+        surfaces
     }
 
     /// Allocates the check of distances; `None`: the controller watches none.

@@ -6,6 +6,7 @@ use super::settings::ContactSettings;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
+use crate::surface::{KnownContact, NormalEstimate, Touch};
 
 /// Time near the target to which the clock of a held contact counts, s. The contact is held above the half of it.
 pub(super) const HELD: f64 = 0.3;
@@ -77,6 +78,8 @@ pub struct ContactAxis {
     pub swing: Swing,
     /// Since when the reading is the same.
     pub unchanged: Unchanged,
+    /// What is known of the normal of the surface.
+    pub normal: NormalEstimate,
 }
 
 impl ContactAxis {
@@ -107,11 +110,22 @@ impl ContactAxis {
         motion: SurfaceMotion { mean: 0.0, slope: 0.0, velocity: 0.0 },
         swing: Swing::NONE,
         unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0 },
+        normal: NormalEstimate::START,
     };
 
     /// Returns whether the tool presses, and the force has been near its target for some time.
     pub fn is_held(&self) -> bool {
         self.phase == ContactPhase::Contact && self.hold_time > 0.5 * HELD
+    }
+
+    /// Returns what a surface that is followed continues from.
+    pub(crate) fn known(&self) -> KnownContact {
+        let touch = match self.phase {
+            ContactPhase::Approach => Touch::Free,
+            ContactPhase::Contact => Touch::Touches,
+            ContactPhase::Loss | ContactPhase::Fault(_) => Touch::Left,
+        };
+        KnownContact { touch, stiffness: [self.estimate.slope, self.estimate.upper], estimate: self.normal }
     }
 
     /// Returns whether all numbers are finite and in their ranges.
@@ -155,6 +169,7 @@ impl ContactAxis {
             && positive.iter().all(|value| value.is_finite() && *value >= 0.0)
             && self.swing.factor >= 1.0
             && self.swing.factor.is_finite()
+            && self.normal.is_valid()
     }
 
     /// Moves the model by `way` (m) in a time (s), at a constant speed.

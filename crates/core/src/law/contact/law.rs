@@ -7,6 +7,7 @@ use super::report::ContactReport;
 use super::settings::ContactSettings;
 use super::step::{AxisInput, Step};
 use super::timing::ContactTiming;
+use crate::surface::SurfaceSettings;
 
 /// The contact law: it presses with F_d on a surface of unknown stiffness, each axis by itself.
 ///
@@ -17,6 +18,7 @@ pub struct ContactLaw {
     target_force: Profile,
     axes: Vec<ContactSettings>,
     directions: Vec<f64>,
+    surface: Option<SurfaceSettings>,
 }
 
 /// Why a contact law is refused.
@@ -42,6 +44,9 @@ pub enum ContactLawError {
         /// The range in words.
         must_be: &'static str,
     },
+    /// A law with several axes, or with a rotation, is to follow a normal.
+    #[error("a task that follows the normal of a surface presses along one axis of translation; give it one axis")]
+    Surface,
     /// An axis has no target force, so it has no direction.
     #[error("the target force is zero; its sign is the direction in which the tool presses")]
     NoDirection {
@@ -66,7 +71,25 @@ impl ContactLaw {
             value => Ok(value.signum()),
         };
         let directions = largest.iter().enumerate().map(direction).collect::<Result<_, _>>()?;
-        Ok(Self { target_force, axes, directions })
+        Ok(Self { target_force, axes, directions, surface: None })
+    }
+
+    /// Returns the law with axes that follow the normal of the surface. It has one row, a translation.
+    pub fn with_surface(self, surface: SurfaceSettings) -> Result<Self, ContactLawError> {
+        let value = surface.max_tilt;
+        if !(value > 0.0 && value <= SurfaceSettings::MOST_TILT) {
+            let must_be = "above 0, and at most 1.4 rad";
+            return Err(ContactLawError::Range { field: "max_tilt_rad", row: 0, value, must_be });
+        }
+        match *self.axes {
+            [axis] if !axis.is_angular() => Ok(Self { surface: Some(surface), ..self }),
+            _ => Err(ContactLawError::Surface),
+        }
+    }
+
+    /// Returns how the axes follow the normal of the surface; `None`: they do not.
+    pub fn surface(&self) -> Option<&SurfaceSettings> {
+        self.surface.as_ref()
     }
 
     /// Returns m, the number of rows.

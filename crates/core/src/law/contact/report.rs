@@ -1,6 +1,7 @@
 //! What the contact law tells about an axis.
 
 use super::axis::ContactPhase;
+use crate::surface::NormalReport;
 
 /// The contact along one axis in one period. For an axis of rotation read N·m for N and rad for m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,4 +28,6 @@ pub struct ContactReport {
     pub approach_speed: f64,
     /// Peak force that no controller avoids at this approach speed in the stiffest contact, N.
     pub unavoidable_peak: f64,
+    /// The normal of the surface; `None`: the law does not follow it.
+    pub normal: Option<NormalReport>,
 }

@@ -290,6 +290,7 @@ impl Step<'_> {
             energy: (self.tank() - axis.spent).max(0.0),
             approach_speed: speed,
             unavoidable_peak: unavoidable_peak(settings, self.timing, terms, speed),
+            normal: None,
         }
     }
 }

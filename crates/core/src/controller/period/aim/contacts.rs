@@ -9,6 +9,7 @@ use crate::law::{
     TaskVector,
 };
 use crate::linalg::row_times;
+use crate::surface::{NormalEstimate, NormalReport};
 use crate::task::{TaskError, TaskStack};
 
 /// Part of the acceleration of the joints with which the law brakes; the rest is left to the other tasks. A choice.
@@ -37,6 +38,8 @@ pub struct PressingAxis {
     pub target: f64,
     /// What it remembers, after the law of this period and before its command.
     pub memory: ContactAxis,
+    /// The normal of the surface in this period; `None`: the axis does not follow it.
+    pub normal: Option<NormalReport>,
 }
 
 impl Contacts {
@@ -58,6 +61,7 @@ impl Contacts {
             ),
             target: 0.0,
             memory: ContactAxis::START,
+            normal: None,
         };
         let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
         Self { axes: rows.map(axis).collect(), retreat: None }
@@ -79,6 +83,9 @@ impl Contacts {
         self.retreat = None;
         for (index, axis) in self.axes.iter_mut().enumerate() {
             axis.memory = previous.contacts.get(index).copied().unwrap_or(ContactAxis::START);
+            let surface = arm.surfaces.iter().find(|surface| surface.contact == index);
+            axis.normal = surface.and_then(|surface| surface.report);
+            axis.memory.normal = surface.map_or(NormalEstimate::START, |surface| surface.estimate);
             if arm.missed_time > 0.0 {
                 let way = axis.along(&arm.missed_way, config, tasks);
                 let law = config.tasks[axis.task].law.contact();
@@ -112,7 +119,8 @@ impl Contacts {
                 last_velocity: axis.direction * last_velocity[row],
                 acceleration: acceleration.min(law.axes()[row].max_acceleration),
             };
-            let (pressing, report) = law.step(row, &axis.timing, input, &mut axis.memory);
+            let (pressing, mut report) = law.step(row, &axis.timing, input, &mut axis.memory);
+            report.normal = axis.normal;
             velocity[row] = axis.direction * pressing;
             reports.push(report);
             if matches!(report.phase, ContactPhase::Fault(cause) if cause != FaultCause::Pull) {

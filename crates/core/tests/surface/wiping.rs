@@ -1,0 +1,168 @@
+//! Wiping planes, balls and bowls with friction.
+
+use nalgebra::{IsometryMatrix3, Vector3};
+use proptest::prelude::*;
+use revprio_core::law::ContactPhase;
+use revprio_core::resolution::Method;
+use revprio_core::surface::SurfaceSettings;
+use revprio_robot::kinematics::Frame;
+
+use super::world::{BEGIN, FORCE, PERIOD, Seen, Stroke, Surface, Wipe, Wiped, World};
+
+/// Runs a wipe.
+fn wipe(surface: Surface, wipe: Wipe) -> Wiped {
+    Wiped::of(&World::new(surface, wipe).run(BEGIN + 4.5))
+}
+
+fn tilted(degrees: f64, friction: f64) -> Surface {
+    Surface::plane([0.0, f64::to_radians(degrees)], friction)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// The claim of the guide, from the slow start on.
+    #[test]
+    fn the_normal_force_stays_within_a_tenth(
+        tilt in 0.0..30.0_f64, about in 0.0..std::f64::consts::TAU, course in 0.0..std::f64::consts::TAU,
+        friction in 0.0..0.5_f64, stiffness in 4.0..5.0_f64,
+    ) {
+        let (tilt, stiffness) = (tilt.to_radians(), 10.0_f64.powf(stiffness));
+        // The axis of the tilt, by its angle: Euler angles about x and y differ from it by little.
+        let surface = Surface { stiffness, ..Surface::plane([tilt * about.cos(), tilt * about.sin()], friction) };
+        let found = wipe(surface, Wipe { along: [course.cos(), course.sin()], ..Wipe::ALONG_X });
+        prop_assert!(found.error < 0.1 && found.losses == 0, "{found:?}");
+        prop_assert!(found.angle < 0.05, "{found:?}");
+    }
+}
+
+/// The claim can fail: without the estimate it does.
+#[test]
+fn a_fixed_frame_presses_too_hard_or_too_softly() {
+    let fixed = Wipe { surface: None, ..Wipe::ALONG_X };
+    let (up, down) = (wipe(tilted(-20.0, 0.5), fixed), wipe(tilted(20.0, 0.5), fixed));
+    assert!(up.error > 0.2 && down.error > 0.2, "{up:?} {down:?}");
+}
+
+#[test]
+fn friction_is_told_apart_from_the_tilt() {
+    for friction in [0.0, 0.2, 0.5] {
+        let found = wipe(tilted(20.0, friction), Wipe::ALONG_X);
+        assert!((found.friction - friction).abs() < 0.02 && found.angle < 0.03, "{found:?}");
+    }
+}
+
+#[test]
+fn a_ball_and_a_bowl_are_followed() {
+    for radius in [0.3, -0.4] {
+        let tilt = -f64::signum(radius) * 18.0;
+        let surface = Surface { radius, stiffness: 1e4, ..tilted(tilt, 0.3) };
+        let found = wipe(surface, Wipe::ALONG_X);
+        assert!(found.error < 0.1 && found.losses == 0 && found.angle < 0.06, "{radius}: {found:?}");
+    }
+}
+
+/// Friction turns round with the motion, and the normal does not.
+#[test]
+fn a_tool_that_turns_back_keeps_its_force() {
+    let surface = Surface { stiffness: 1e4, ..tilted(20.0, 0.5) };
+    let found = wipe(surface, Wipe { stroke: Stroke::ThereAndBack, ..Wipe::ALONG_X });
+    assert!(found.error < 0.1 && found.losses == 0 && found.angle < 0.05, "{found:?}");
+}
+
+#[test]
+fn every_method_follows_the_surface() {
+    let methods = [
+        Method::Pseudoinverse,
+        Method::DampedLeastSquares,
+        Method::TaskPriority,
+        Method::SingularityRobust,
+        Method::ReversePriority,
+        Method::StrictReversePriority,
+    ];
+    for method in methods {
+        let found = wipe(tilted(20.0, 0.3), Wipe { method, ..Wipe::ALONG_X });
+        assert!(found.error < 0.1 && found.losses == 0 && found.angle < 0.03, "{method:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_stated_frame_that_is_tilted_itself_is_followed_from_there() {
+    let frame = Frame::Fixed(IsometryMatrix3::new(Vector3::new(0.3, 0.1, 0.2), Vector3::new(0.0, 0.3, 0.0)));
+    let found = wipe(tilted(40.0, 0.3), Wipe { frame, ..Wipe::ALONG_X });
+    assert!(found.error < 0.1 && found.angle < 0.03, "{found:?}");
+}
+
+#[test]
+fn noisy_joints_and_forces_cost_little() {
+    let mut world = World::new(Surface { stiffness: 1e4, ..tilted(-20.0, 0.3) }, Wipe::ALONG_X);
+    world.noise = [0.5, 5e-5];
+    let found = Wiped::of(&world.run(BEGIN + 4.5));
+    assert!(found.error < 0.1 && found.losses == 0, "{found:?}");
+}
+
+/// Returns the fastest turn of the normal, rad/s.
+fn fastest_turn(seen: &[Seen]) -> f64 {
+    let normal = |seen: &Seen| seen.report.unwrap().normal;
+    seen.windows(2).map(|pair| normal(&pair[0]).angle(&normal(&pair[1])) / PERIOD).fold(0.0, f64::max)
+}
+
+#[test]
+fn beyond_an_edge_the_tool_approaches_along_the_stated_axis() {
+    let surface = Surface { end: 0.08, ..tilted(20.0, 0.3) };
+    let seen = World::new(surface, Wipe::ALONG_X).run(BEGIN + 6.0);
+    let (held, last) = (seen.iter().find(|seen| seen.at.x > 0.07).unwrap(), seen.last().unwrap());
+    assert!(held.angle < 0.03, "{held:?}");
+    assert_eq!(last.contact.phase, ContactPhase::Approach);
+    assert!(last.report.unwrap().normal.angle(&-Vector3::z()) < 1e-6, "{last:?}");
+    assert_eq!(last.report.unwrap().friction, None);
+    assert!(fastest_turn(&seen) < 2.0 + 1e-6, "{}", fastest_turn(&seen));
+}
+
+#[test]
+fn the_normal_stays_within_the_largest_tilt_and_says_so() {
+    let max_tilt = 0.2;
+    let settings = Some(SurfaceSettings { max_tilt });
+    let seen = World::new(tilted(-20.0, 0.2), Wipe { surface: settings, ..Wipe::ALONG_X }).run(BEGIN + 3.0);
+    let tilt = |seen: &Seen| seen.report.unwrap().normal.angle(&-Vector3::z());
+    assert!(seen.iter().all(|seen| tilt(seen) <= max_tilt + 1e-9));
+    let last = seen.last().unwrap();
+    assert!(last.report.unwrap().is_limited && tilt(last) > max_tilt - 1e-6, "{last:?}");
+    assert!(!seen[0].report.unwrap().is_limited);
+}
+
+#[test]
+fn a_tool_that_stands_learns_nothing() {
+    let mut world = World::new(tilted(20.0, 0.5), Wipe::ALONG_X);
+    let seen = world.run(BEGIN);
+    let last = seen.last().unwrap();
+    assert_eq!(last.contact.phase, ContactPhase::Contact);
+    assert_eq!(last.report.unwrap().deviation, None, "{last:?}");
+    assert!(last.report.unwrap().normal.angle(&-Vector3::z()) < 1e-9);
+}
+
+/// Nobody reads the states for half a second, and the drive stops.
+#[test]
+fn a_wipe_goes_on_after_a_pause_without_states() {
+    let mut world = World::new(Surface { stiffness: 1e4, ..tilted(-20.0, 0.3) }, Wipe::ALONG_X);
+    world.run(BEGIN + 2.0);
+    world.is_connected = false;
+    world.run(0.5);
+    world.is_connected = true;
+    let seen = world.run(1.5);
+    let late = &seen[250..];
+    let worst = late.iter().map(|seen| (seen.normal_force / FORCE - 1.0).abs()).fold(0.0, f64::max);
+    assert!(worst < 0.1 && late.iter().all(|seen| seen.angle < 0.05), "{worst} {:?}", seen.last());
+}
+
+#[test]
+fn a_damaged_memory_is_refused() {
+    let mut world = World::new(tilted(20.0, 0.3), Wipe::ALONG_X);
+    world.run(BEGIN + 1.5);
+    for damage in [f64::NAN, 1e-200, 1e15, f64::INFINITY] {
+        let mut memory = world.memory.clone().unwrap();
+        memory.contacts[0].normal.normal.x = damage;
+        memory.contacts[0].normal.normal.z = damage;
+        assert!(world.refuses(memory), "{damage}");
+    }
+}
