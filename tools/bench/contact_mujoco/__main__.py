@@ -11,7 +11,7 @@ from pathlib import Path
 
 from contact_mujoco import door, encoders, events, friction, grid, peg, play, surfaces, turning, weights, yielding
 
-RUNS = 42
+RUNS = 21
 """Conditions of each arm and velocity loop."""
 QUICK_RUNS = 2
 
@@ -43,7 +43,8 @@ def parts(count: int, out: Path, options: argparse.Namespace) -> dict[str, Calla
         "moving": functools.partial(one, "moving", events.moving),
         "wiping": functools.partial(one, "wiping", functools.partial(surfaces.wiping, options.surface)),
         **{name: functools.partial(one, name, table) for name, table in LIMITS.items()},
-        "understated": functools.partial(one, "understated", functools.partial(events.understated, count)),
+        "failures": functools.partial(one, "failures", grid.failures),
+        "understated": functools.partial(one, "understated", functools.partial(events.understated, 2 * count)),
     }
 
 

@@ -7,10 +7,11 @@ import json
 from pathlib import Path
 
 from contact_mujoco import pressing
-from contact_mujoco.conditions import BANDWIDTHS, draw
-from contact_mujoco.robots import ROBOTS
+from contact_mujoco.arm import Drive
+from contact_mujoco.conditions import BANDWIDTHS, Conditions, draw
+from contact_mujoco.robots import PANDA, ROBOTS, SAWYER
 from contact_mujoco.score import HEAD, Score, row, score
-from contact_mujoco.tables import short
+from contact_mujoco.tables import short, table
 
 FAST = 100.0
 """Smallest bandwidth of the velocity loops in the table over stiffnesses, rad/s."""
@@ -64,3 +65,22 @@ def tables(results: list[Result]) -> dict[str, str]:
         "stiffness": "\n".join([HEAD.format("K, N/m", "---"), *walls]),
         "misses": "\n".join(["| run | misses |", "|---|---|", *missed]),
     }
+
+
+FAILURES = {
+    "noise loses and finds a light contact again": Conditions(
+        PANDA, Drive(400.0, 0.02, 1), 0.001, 1e3, 0.01, 5.0, seed=7
+    ),
+    "an impact has emptied the tank": Conditions(SAWYER, Drive(400.0, 0.02, 2), 0.002, 1e6, 0.1, 5.0, seed=48),
+}
+"""Runs that do not settle, and why."""
+
+
+def failures() -> str:
+    """Returns the table of the runs that do not settle."""
+    rows = []
+    for cause, terms in FAILURES.items():
+        trace = pressing.run(terms)
+        found = score(terms, trace)
+        rows.append([cause, terms.words, "yes" if found.settled else "no", f"{found.error:.1f}", trace.state])
+    return table(["cause", "run", "settled", "error, N", "state at the end"], rows)

@@ -101,7 +101,7 @@ class Search:
     inserted_s: float | None
     """When the peg was inserted, s."""
     state: str
-    """State of the law at the end."""
+    """State of the law at the end, and its fault."""
     losses: int
     arm: Arm
     """The arm at the end."""
@@ -156,7 +156,7 @@ class Cell:
 def search(block: Block, pitch_m: float = 0.0) -> Search:
     """Presses, and looks for the hole along a spiral from the touch on; `pitch_m`: 0 for none."""
     cell = Cell(block)
-    rows, inserted_s, way_m, place, losses, answer = [], None, 0.0, np.zeros(2), 0, None
+    rows, inserted_s, way_m, place, losses = [], None, 0.0, np.zeros(2), 0
     duration_s = DURATION_S if pitch_m else AFTER_S
     for number in range(round(duration_s / PERIOD_S)):
         now_s = number * PERIOD_S
@@ -172,7 +172,8 @@ def search(block: Block, pitch_m: float = 0.0) -> Search:
         if inserted_s is not None and now_s > inserted_s + AFTER_S:
             break
     time_s, forces, points = (np.array(column) for column in zip(*rows, strict=True))
-    state = answer.tasks[0].contact[0].state if answer else ""
+    report = answer.tasks[0].contact[0]
+    state = f"fault: {report.fault}" if report.fault else report.state
     return Search(time_s, forces, points, inserted_s, state, losses, cell.arm)
 
 

@@ -73,8 +73,7 @@ def play() -> str:
     """Returns the table of tools with play."""
     rows = []
     for way, stiffness in product((5e-5, 2e-4, 1e-3), (1e3, 1e4, 1e5, 1e6)):
-        for speed in (0.01, 0.1):
-            conditions = terms(PANDA, stiffness, speed=speed)
-            found = score(conditions, pressing.press(Loose(conditions, way)))
-            rows.append([f"{way * 1e3}", short(stiffness), f"{100 * speed:.0f}", *verdict(found)])
-    return table(["play, mm", "K, N/m", "approach, cm/s", *VERDICT], rows)
+        conditions = terms(PANDA, stiffness, speed=0.01)
+        found = score(conditions, pressing.press(Loose(conditions, way)))
+        rows.append([f"{way * 1e3}", short(stiffness), *verdict(found)])
+    return table(["play, mm", "K, N/m", *VERDICT], rows)
