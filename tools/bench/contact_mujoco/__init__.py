@@ -1,0 +1,1 @@
+"""The law `contact` on torque-controlled arms in MuJoCo; docs/contact-mujoco.md has the results."""

@@ -1,0 +1,86 @@
+"""Walls of unknown stiffness: conditions drawn from a grid, for two arms and four velocity loops."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+from contact_mujoco import pressing
+from contact_mujoco.arm import Drive
+from contact_mujoco.conditions import BANDWIDTHS, Conditions, draw
+from contact_mujoco.robots import PANDA, ROBOTS, SAWYER
+from contact_mujoco.score import HEAD, Score, row, score
+from contact_mujoco.tables import short, table
+
+FAST = 100.0
+"""Smallest bandwidth of the velocity loops in the table over stiffnesses, rad/s."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Result:
+    """A run and how good it is."""
+
+    arm: str
+    bandwidth: float
+    stiffness: float
+    words: str
+    """All conditions."""
+    score: Score
+
+
+def measure(count: int, out: Path) -> list[Result]:
+    """Runs `count` conditions of each arm and velocity loop; writes each result to a file."""
+    results = []
+    with (out / "grid.jsonl").open("w") as file:
+        for robot in ROBOTS:
+            for bandwidth in BANDWIDTHS:
+                for terms in draw(robot, bandwidth, count):
+                    found = score(terms, pressing.run(terms))
+                    results.append(Result(robot.name, bandwidth, terms.stiffness, terms.words, found))
+                    file.write(json.dumps(dataclasses.asdict(results[-1])) + "\n")
+                    file.flush()
+    return results
+
+
+def read(out: Path) -> list[Result]:
+    """Reads the results of `measure`."""
+    rows = [json.loads(line) for line in (out / "grid.jsonl").read_text().splitlines()]
+    return [Result(**{**fields, "score": Score(**fields["score"])}) for fields in rows]
+
+
+def tables(results: list[Result]) -> dict[str, str]:
+    """Returns the tables by their marks."""
+    by_arm: dict[tuple[str, str], list[Score]] = {}
+    by_stiffness: dict[float, list[Score]] = {}
+    for result in results:
+        by_arm.setdefault((result.arm, f"{result.bandwidth:.0f} rad/s"), []).append(result.score)
+        if result.bandwidth >= FAST:
+            by_stiffness.setdefault(result.stiffness, []).append(result.score)
+    arms = [row(list(names), scores) for names, scores in by_arm.items()]
+    walls = [row([short(value)], scores) for value, scores in sorted(by_stiffness.items())]
+    missed = [f"| {result.words} | {', '.join(result.score.misses)} |" for result in results if result.score.misses]
+    return {
+        "grid": "\n".join([HEAD.format("arm | velocity loop", "---|---"), *arms]),
+        "stiffness": "\n".join([HEAD.format("K, N/m", "---"), *walls]),
+        "misses": "\n".join(["| run | misses |", "|---|---|", *missed]),
+    }
+
+
+FAILURES = {
+    "noise loses and finds a light contact again": Conditions(
+        PANDA, Drive(400.0, 0.02, 1), 0.001, 1e3, 0.01, 5.0, seed=7
+    ),
+    "an impact has emptied the tank": Conditions(SAWYER, Drive(400.0, 0.02, 2), 0.002, 1e6, 0.1, 5.0, seed=48),
+}
+"""Runs that do not settle, and why."""
+
+
+def failures() -> str:
+    """Returns the table of the runs that do not settle."""
+    rows = []
+    for cause, terms in FAILURES.items():
+        trace = pressing.run(terms)
+        found = score(terms, trace)
+        rows.append([cause, terms.words, "yes" if found.settled else "no", f"{found.error:.1f}", trace.state])
+    return table(["cause", "run", "settled", "error, N", "state at the end"], rows)
