@@ -123,7 +123,7 @@ test('a dropped recording is a ghost with its name, colour and numbers, plays wi
   await waitForText(page, '#notice', /other program: 201 postures of panda in 4 s\./);
   await waitForText(page, '#description', /^panda at rest/);
   await waitForText(page, '#ghosts', /^other program/);
-  await page.click('#notice-close');
+  await hideNotice(page);
   await page.click('#go');
   await waitForClock(page, 2.5);
   await page.click('#end');
@@ -169,7 +169,7 @@ test('the run follows the target of a recording from its first posture, and undo
 test('several ghosts have their own colours, and each is added and removed', options, () => withPage('scenario=playground&robot=panda&motion=eight&ghost=damped_least_squares,pseudoinverse,none,damped_least_squares', async (page) => {
   await waitForState(page, 'phase', 'running');
   await drop(page, [['third.csv', csv({ hasTarget: false })]]);
-  await page.click('#notice-close');
+  await hideNotice(page);
   await waitForText(page, '#scene-legend', /Strict reverse priority.*Damped least squares: .*Pseudo-inverse: .*third: [\d.]+ mm/);
   const colours = await page.evaluate(() => Array.from(document.querySelectorAll('#ghosts .key'), (key) => key.style.borderTopColor));
   assert.equal(colours.length, 3);
@@ -348,6 +348,9 @@ test('the scene is recorded as a GIF film with at most ten pictures per second',
 
 const clipboard = { permissions: ['clipboard-read', 'clipboard-write'] };
 
+/** Hides a message, which may disappear by itself at any moment. */
+const hideNotice = (page) => page.evaluate(() => { document.getElementById('notice').hidden = true; });
+
 /** Copies the link of a page. */
 async function linkOf(page) {
   await page.click('#copy-link');
@@ -391,9 +394,9 @@ test('a link restores the shown time, the ghosts and the divider, and says what 
   });
 }, clipboard));
 
-test('a link names the pushes, changes and recordings that it does not have, and times beyond its reach', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+test('a link names the pushes, changes and recordings that it does not have', options, () => withPage('scenario=playground&robot=panda', async (page) => {
   await drop(page, [['other.csv', csv({ hasTarget: false })]]);
-  await page.click('#notice-close');
+  await hideNotice(page);
   await page.click('#go');
   await waitForClock(page, 0.3);
   await page.dispatchEvent('[data-push="0 1 0"]', 'pointerdown', { pointerId: 1 }).catch(() => {});
@@ -411,10 +414,17 @@ test('a link names the pushes, changes and recordings that it does not have, and
   await withLink(link, async (other) => {
     await waitForText(other, '#notice', /Opened from a link.*run again up to [\d.]+ s\. The link does not have: changes during the run.*pushes; recordings \(send the files, too\)/);
   });
+}, clipboard));
+
+test('a link shows a time of a few periods, and says when its time is beyond its reach', options, async () => {
+  await withLink(`${service.url}/?renderer=canvas#scenario=joint_limits&time=0.003`, async (other) => {
+    await waitForText(other, '#clock', /^0\.003 s$/);
+    assert.equal(await other.isVisible('#notice'), false, await other.textContent('#notice'));
+  });
   await withLink(`${service.url}/?renderer=canvas#scenario=joint_limits&time=900`, async (other) => {
     await waitForText(other, '#notice', /The link shows 900\.000 s, which is beyond the end of the scenario or 60 s/);
   });
-}, clipboard));
+});
 
 const ROBOT = `<robot name="shared"><link name="l0"><visual><geometry><mesh filename="base.stl"/></geometry></visual></link>${[0, 1, 2, 3].map((i) => `<link name="l${i + 1}"><visual><origin xyz="0 0 0.15"/><geometry><box size="0.06 0.06 0.3"/></geometry></visual></link>
   <joint name="j${i}" type="revolute"><parent link="l${i}"/><child link="l${i + 1}"/><origin xyz="0 0 0.3"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/>
@@ -423,7 +433,7 @@ const ROBOT = `<robot name="shared"><link name="l0"><visual><geometry><mesh file
 test('a link has a dropped robot without its meshes, and replaces no robot of the service', options, () => withPage('scenario=playground&robot=panda', async (page) => {
   await drop(page, [['shared.urdf', ROBOT], ['base.stl', 'solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid']]);
   await waitForText(page, '#notice', /Robot my_shared/);
-  await page.click('#notice-close');
+  await hideNotice(page);
   await waitForText(page, '#description', /^my_shared at rest/);
   const link = await linkOf(page);
   assert.match(await page.textContent('#share-note'), /It does not have: the meshes of the robot\./);
@@ -451,7 +461,7 @@ test('a robot that is too long for a link is named', options, () => withPage('sc
   const noise = Array.from({ length: 90_000 }, () => String.fromCharCode(97 + ((seed = (seed * 16_807) % 2_147_483_647) % 26))).join('');
   await drop(page, [['long.urdf', ROBOT.replace('<link', `<!-- ${noise} --><link`)]]);
   await waitForText(page, '#description', /^my_shared at rest/);
-  await page.click('#notice-close');
+  await hideNotice(page);
   const link = await linkOf(page);
   assert.ok(link.length < 1000, `${link.length} characters`);
   assert.match(await page.textContent('#share-note'), /the robot, whose URDF file is too long/);

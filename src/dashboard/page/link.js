@@ -92,7 +92,9 @@ export async function restore(runControl) {
   const hasTime = Number.isFinite(wanted) && wanted > 0;
   const time = hasTime ? await showTime(runControl, wanted) : null;
   const reached = time === null ? '' : `The scenario was run again up to ${fixed(time, 3)} s.`;
-  const limit = hasTime && (time === null || time < wanted - 1e-3) ? ` The link shows ${fixed(Math.min(wanted, 1e6), 3)} s, which is beyond the ${time === null ? 'run' : 'end of the scenario or 60 s'}.` : '';
+  const shown = `${fixed(Math.min(wanted, 1e6), 3)} s`;
+  const isShort = time !== null && time < wanted - 1e-3;
+  const limit = isShort ? ` The link shows ${shown}, which is beyond the end of the scenario or ${LONGEST} s.` : hasTime && time === null ? ` The run did not get to the ${shown} of the link.` : '';
   const missing = lost ? ` The link does not have: ${lost}.` : '';
   if (limit || missing) notify('Opened from a link', `${reached}${limit}${missing}`.trim());
   return hasTime;
@@ -111,6 +113,7 @@ async function showTime(runControl, wanted) {
   // The service sends a few samples per frame, so many small steps give a past that can be replayed.
   for (let part = 1, done = 0; part <= PIECES && done < periods; part += 1) {
     const next = Math.ceil((periods * part) / PIECES);
+    if (next === done) continue;
     await runControl.sendControl({ step: next - done });
     done = next;
     if (!(await hasReached(runControl, (done - 1.5) * period, () => runControl.run !== run || performance.now() > end))) return null;
