@@ -114,6 +114,7 @@ pub fn complete(document: &mut Value) {
     let report = &parsed(STEP_IN_A_ROOM)["collisions"];
     document["components"]["schemas"]["LiveRoom"]["properties"]["report"]["examples"] = json!([report]);
     document["components"]["schemas"]["LiveSample"]["properties"]["room"]["examples"] = json!([{"report": report, "obstacles": [{"name": "ball", "position": [0.3, 1.0, 0.5], "velocity": [0.0, 0.1, 0.0]}]}]);
+    follow_surface(&mut document["components"]["schemas"]);
     for schema in ["ContactReport", "ContactMemory", "LiveContact"] {
         document["components"]["schemas"][schema]["properties"]["fault"]["examples"] = json!(["force_limit"]);
         document["components"]["schemas"][schema]["properties"]["state"]["examples"] = json!(["contact"]);
@@ -236,4 +237,19 @@ fn fits(schemas: &Value, option: &Value, value: &Value) -> bool {
     let type_fits =
         option["type"] == of_type || option["type"].as_array().is_some_and(|types| types.iter().any(|t| t == of_type));
     type_fits && (tag.is_null() || *tag == value["kind"]) && value.as_object().is_none_or(all_known)
+}
+
+/// Adds the examples of a law that follows the normal of a surface. The derive has no example for a field that is an object or null.
+fn follow_surface(schemas: &mut Value) {
+    schemas["ContactReport"]["properties"]["surface"]["examples"] =
+        json!([{"normal": [0.6, 0.0, -0.8], "friction": 0.31, "uncertainty_rad": 0.01, "is_limited": false}]);
+    schemas["ContactMemory"]["properties"]["normal"]["examples"] = json!([{
+        "normal": [0.6, 0.0, -0.8], "mean": [0.59, 0.0, -0.79], "friction": 0.31, "variance": 1e-4, "chords": 5.0,
+        "is_sliding": true, "position": [[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]],
+        "force": [[17.0, 0.0, -12.0], [17.0, 0.0, -12.0]]
+    }]);
+    let variants = schemas["Law"]["oneOf"].as_array_mut().into_iter().flatten();
+    for law in variants.filter(|law| law["properties"]["surface"].is_object()) {
+        law["properties"]["surface"]["examples"] = json!([{"max_tilt_rad": 0.6}]);
+    }
 }

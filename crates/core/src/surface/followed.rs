@@ -58,7 +58,7 @@ impl FollowedSurface {
         Self {
             contact,
             tip,
-            frame,
+            frame: *frame,
             axis: along,
             settings,
             softest,
@@ -89,7 +89,7 @@ impl FollowedSurface {
         let stiffness = if is_known { known } else { bound }.max(self.softest);
         let softest = if is_known { stiffness } else { self.softest };
         let input = SlidingInput { stated, position, force, touch, stiffness, softest, time };
-        self.report = Some(self.estimate.update(&self.settings, &input));
+        self.report = Some(self.estimate.update(self.settings, &input));
         self.turn = self.estimate.turn(&stated);
     }
 

@@ -71,7 +71,7 @@ pub struct NormalEstimate {
     pub friction: f64,
     /// Mean of the squared angle between `mean` and the normals of the chords, rad².
     pub variance: f64,
-    /// Number of chords since the touch, up to those of [`WAY`].
+    /// Number of chords since the touch, up to those of 5 mm.
     pub chords: f64,
     /// Whether the filters have begun.
     pub is_sliding: bool,
@@ -149,7 +149,7 @@ impl NormalEstimate {
     }
 
     /// Updates the estimate by a period; returns its report.
-    pub fn update(&mut self, settings: &SurfaceSettings, input: &SlidingInput) -> NormalReport {
+    pub fn update(&mut self, settings: SurfaceSettings, input: &SlidingInput) -> NormalReport {
         let before = self.direction(&input.stated);
         match input.touch {
             Touch::Touches => self.slide(settings, &before, input),
@@ -173,7 +173,7 @@ impl NormalEstimate {
     }
 
     /// Filters position and force, and ends a chord that is long enough.
-    fn slide(&mut self, settings: &SurfaceSettings, normal: &Vector3<f64>, input: &SlidingInput) {
+    fn slide(&mut self, settings: SurfaceSettings, normal: &Vector3<f64>, input: &SlidingInput) {
         if !self.is_sliding {
             (self.position, self.force) = (input.position, input.force);
             (self.is_sliding, self.begin) = (true, [input.position, input.force]);
@@ -196,7 +196,7 @@ impl NormalEstimate {
     }
 
     /// Adds a chord along the unit vector d, of a length (m), with the mean force (N).
-    fn add(&mut self, settings: &SurfaceSettings, chord: &Vector3<f64>, length: f64, force: &Vector3<f64>) {
+    fn add(&mut self, settings: SurfaceSettings, chord: &Vector3<f64>, length: f64, force: &Vector3<f64>) {
         let along = chord.dot(force);
         let across = force - along * chord;
         let pressing = across.norm();

@@ -24,7 +24,7 @@ fn slide(chord: &Vector3<f64>, force: &Vector3<f64>) -> (NormalEstimate, NormalR
     let (mut estimate, settings) = (NormalEstimate::START, SurfaceSettings { max_tilt: MAX_TILT });
     let reports = (0..1000).map(|period| {
         let position = chord * (1e-4 * f64::from(period));
-        estimate.update(&settings, &input(position, *force))
+        estimate.update(settings, &input(position, *force))
     });
     let last = reports.last().unwrap();
     (estimate, last)
@@ -81,7 +81,7 @@ proptest! {
                 1 => Touch::Left,
                 _ => Touch::Touches,
             };
-            let report = estimate.update(&settings, &SlidingInput { touch, ..input(position.into(), force.into()) });
+            let report = estimate.update(settings, &SlidingInput { touch, ..input(position.into(), force.into()) });
             prop_assert!((report.normal.norm() - 1.0).abs() < 1e-9);
             prop_assert!(report.normal.angle(&-Vector3::z()) < MAX_TILT + 1e-7);
             prop_assert!(report.normal.angle(&last) < 2.0 * 0.002 + 1e-7);
@@ -99,7 +99,7 @@ fn a_press_teaches_nothing() {
         let mut pressed = input(-Vector3::z() * depth, -Vector3::z() * (1e3 * depth));
         // The stiffness is not known well.
         (pressed.stiffness, pressed.softest) = (1.3e3, 300.0);
-        let report = estimate.update(&settings, &pressed);
+        let report = estimate.update(settings, &pressed);
         assert_eq!(report.friction, None, "{period}");
     }
 }
@@ -113,7 +113,7 @@ fn a_tool_that_turns_back_keeps_its_normal() {
     for period in 0..4000 {
         let phase = f64::from(period) * 0.01;
         let force = 20.0 * (normal + 0.5 * phase.cos().signum() * along);
-        let report = estimate.update(&settings, &input(along * (0.01 * phase.sin()), force));
+        let report = estimate.update(settings, &input(along * (0.01 * phase.sin()), force));
         if period > 500 {
             assert!(report.normal.angle(&normal) < 1e-3, "{period}: {report:?}");
         }

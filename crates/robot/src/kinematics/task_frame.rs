@@ -144,6 +144,7 @@ impl PlacedFrame<'_> {
     }
 
     /// Returns the frame with axes that are turned by a rotation, base axes.
+    #[must_use]
     pub fn turned(self, rotation: Option<&Rotation3<f64>>) -> Self {
         let Some(rotation) = rotation else { return self };
         Self { axes: Some(self.axes.map_or(*rotation, |axes| rotation * axes)), ..self }

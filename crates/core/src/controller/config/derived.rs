@@ -167,7 +167,7 @@ impl ControllerConfig {
             if let (Some(settings), TaskRows::Tool(rows)) = (law.surface(), &task.rows) {
                 let tip = rows.frame.tip(&self.robot).unwrap_or_default();
                 let axis = (rows.axes.axes()[0], law.direction(0));
-                surfaces.push(FollowedSurface::new((axes, tip), rows.frame, axis, (*settings, law.axes()[0].softest)));
+                surfaces.push(FollowedSurface::new((axes, tip), &rows.frame, axis, (*settings, law.axes()[0].softest)));
             }
             axes += law.rows();
         }
