@@ -48,7 +48,7 @@ impl FollowedSurface {
     /// A surface that is pressed along an axis of a frame, in the direction 1 or −1, and not known yet.
     pub fn new(
         (contact, tip): (usize, usize),
-        frame: TaskFrame,
+        frame: &TaskFrame,
         (axis, direction): (Axis, f64),
         (settings, softest): (SurfaceSettings, f64),
     ) -> Self {
