@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
-use revprio_core::law::Law;
 use revprio_core::limits::BoundCause;
 use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
-use revprio_core::rows::TaskRows;
 use revprio_lab::number::significant;
 use revprio_robot::RobotModel;
 
@@ -102,7 +100,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         name: &task.name,
         requested: target.velocity.as_slice().to_vec(),
         units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
-        is_posture: matches!((&task.law, &task.rows), (Law::Position(_), TaskRows::Joints(_))),
+        is_posture: task.law.follows_position() && !task.rows.joints().is_empty(),
     });
     let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
     let explained = Explained {

@@ -9,8 +9,7 @@ use std::collections::HashMap;
 use nalgebra::{Matrix4, Point3, Rotation3, Translation3, Unit, Vector3};
 use roxmltree::{Document, Node};
 
-use super::fitted_capsule::Triangle;
-use super::mesh_file::MAX_TRIANGLES;
+use super::fitted_capsule::{MAX_TRIANGLES, Triangle};
 
 /// Largest depth of nodes inside nodes: a node can name itself as its child.
 const MAX_DEPTH: usize = 40;

@@ -9,6 +9,9 @@ use crate::shape::Segment;
 /// A triangle of a mesh, m.
 pub type Triangle = [Vector3<f64>; 3];
 
+/// Largest number of triangles of a mesh.
+pub const MAX_TRIANGLES: usize = 2_000_000;
+
 /// A capsule that contains a body, in the frame of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedCapsule {

@@ -6,10 +6,7 @@ use mesh_loader::Loader;
 use nalgebra::Vector3;
 
 use super::collada::{self, ColladaError};
-use super::fitted_capsule::Triangle;
-
-/// Largest number of triangles of a mesh.
-pub const MAX_TRIANGLES: usize = 2_000_000;
+use super::fitted_capsule::{MAX_TRIANGLES, Triangle};
 
 /// Where the files are that a URDF text names.
 #[derive(Debug, Clone, PartialEq, Eq)]
