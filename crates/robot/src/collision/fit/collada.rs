@@ -72,15 +72,11 @@ pub fn read(text: &str) -> Result<Vec<Triangle>, ColladaError> {
     };
     let to_metres = Matrix4::new_scaling(metres);
     let scene = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
-    match scene.map(|instance| reader.target(instance, "url")).transpose()? {
-        Some(scene) => children(scene, "node").try_for_each(|node| reader.node(node, &to_metres, 0))?,
-        None => {
-            let geometries = root.descendants().filter(|node| node.has_tag_name_local("geometry"));
-            geometries
-                .collect::<Vec<_>>()
-                .into_iter()
-                .try_for_each(|geometry| reader.geometry(geometry, &to_metres))?;
-        }
+    if let Some(scene) = scene.map(|instance| reader.target(instance, "url")).transpose()? {
+        children(scene, "node").try_for_each(|node| reader.node(node, &to_metres, 0))?;
+    } else {
+        let mut geometries = root.descendants().filter(|node| node.has_tag_name_local("geometry"));
+        geometries.try_for_each(|geometry| reader.geometry(geometry, &to_metres))?;
     }
     Ok(reader.triangles)
 }

@@ -86,7 +86,7 @@ fn what_could_stand_elsewhere_is_refused() {
         unsupported("instance_controller")
     );
     assert_eq!(refused(POLYGON, r##"<node><instance_node url="#again"/></node>"##), ColladaError::TooLarge);
-    let elsewhere = refused(POLYGON, r##"<node><instance_geometry url="other.dae#square"/></node>"##);
+    let elsewhere = refused(POLYGON, r#"<node><instance_geometry url="other.dae#square"/></node>"#);
     assert!(matches!(elsewhere, ColladaError::Reference { .. }), "{elsewhere}");
     for transform in ["<matrix>1 2</matrix>", "<translate>a b c</translate>", "<rotate>0 0 0 90</rotate>"] {
         let error = refused(POLYGON, &format!("<node>{transform}</node>"));
@@ -106,7 +106,7 @@ fn nodes_that_name_others_twice_end_soon() {
         let next = k + 1;
         format!(r##"<node id="n{k}"><instance_node url="#n{next}"/><instance_node url="#n{next}"/></node>"##)
     });
-    let nodes = doubled.collect::<String>() + r##"<node id="n30"/>"##;
+    let nodes = doubled.collect::<String>() + r#"<node id="n30"/>"#;
     let text = file(POLYGON, r##"<node><instance_node url="#n0"/></node>"##)
         .replace("<library_nodes>", &format!("<library_nodes>{nodes}"));
     assert_eq!(read(&text), Err(ColladaError::TooLarge));
