@@ -20,9 +20,9 @@ const RUNS: u64 = 10_000;
 fn print(name: &str, runs: &[&Energy], share: impl Fn(&Energy) -> f64) {
     let mut shares: Vec<f64> = runs.iter().map(|run| share(run)).collect();
     shares.sort_by(f64::total_cmp);
-    let at = |part: f64| shares[((shares.len() - 1) as f64 * part) as usize];
+    let at = |permille: usize| shares[(shares.len() - 1) * permille / 1000];
     let above = shares.iter().filter(|share| **share > 1.0).count();
-    let [median, most, nearly_all, worst] = [0.5, 0.95, 0.999, 1.0].map(at);
+    let [median, most, nearly_all, worst] = [500, 950, 999, 1000].map(at);
     println!("| {name} | {} | {median:.3} | {most:.3} | {nearly_all:.3} | {worst:.3} | {above} |", shares.len());
 }
 

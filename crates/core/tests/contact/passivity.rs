@@ -57,7 +57,8 @@ fn conditions(seed: u64) -> Conditions {
 }
 
 fn pick<T: Copy>(noise: &mut Noise, of: [T; 3]) -> T {
-    of[(noise.uniform() * 3.0) as usize]
+    let third = 3.0 * noise.uniform();
+    of[usize::from(third >= 1.0) + usize::from(third >= 2.0)]
 }
 
 /// Returns the energy of a run.

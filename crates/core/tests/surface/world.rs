@@ -181,7 +181,7 @@ pub fn controller(robot: &Arc<RobotModel>, wipe: Wipe) -> Controller {
         }
         Stroke::ThereAndBack => {
             let begin = [[0.0, 0.0], [b, 0.0], [b + 1.0, 0.1]];
-            let ways = (1..9).map(|i| [b + 1.0 + 0.5 * f64::from(i), [0.0, 0.5, 1.0, 0.5][i as usize % 4]]);
+            let ways = (1..9_u8).map(|i| [b + 1.0 + 0.5 * f64::from(i), [0.0, 0.5, 1.0, 0.5][usize::from(i) % 4]]);
             points(&begin.into_iter().chain(ways).collect::<Vec<_>>())
         }
     };
