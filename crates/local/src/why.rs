@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig, Limits, Measurement, StuckTask, TaskConfig};
+use revprio_core::law::{ContactPhase, ContactReport};
 use revprio_core::limits::BoundCause;
 use revprio_core::resolution::{ActiveBound, Resolution, Side, Status, TaskOutcome};
 use revprio_lab::number::significant;
@@ -61,6 +62,8 @@ pub struct NamedTask<'a> {
     pub units: Vec<Unit>,
     /// Whether it moves joints to a posture.
     pub is_posture: bool,
+    /// The axes of a law `contact`.
+    pub contacts: &'a [ContactReport],
 }
 
 /// A resolution with the names and limits of its sentences.
@@ -101,6 +104,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         requested: target.velocity.as_slice().to_vec(),
         units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
         is_posture: task.law.follows_position() && !task.rows.joints().is_empty(),
+        contacts: &target.contact,
     });
     let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
     let explained = Explained {
@@ -152,6 +156,14 @@ impl Explained<'_> {
             let joint = self.joints[index];
             format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))
         }));
+        let missing = self.tasks.iter().flat_map(|task| {
+            task.contacts.iter().zip(&task.units).filter_map(|(axis, unit)| no_contact(task.name, axis, *unit))
+        });
+        let missing: Vec<String> = missing.collect();
+        if losses.is_empty() && !missing.is_empty() {
+            sentences.extend(missing);
+            return sentences;
+        }
         if losses.is_empty() {
             let all = if sentences.is_empty() {
                 "no limit is active; every task is achieved"
@@ -304,6 +316,19 @@ fn at_its_bound(name: &str) -> String {
         Some((link, other)) => format!("`{link}` keeps clear of `{other}`"),
         None => format!("inequality `{name}` is at its bound"),
     }
+}
+
+/// Returns that an axis does not press yet, or no more; a task achieves its velocity then all the same.
+fn no_contact(task: &str, axis: &ContactReport, unit: Unit) -> Option<String> {
+    let [force, target] = [axis.force, axis.target].map(|force| significant(force, 2));
+    let state = match axis.phase {
+        ContactPhase::Contact => return None,
+        ContactPhase::Approach => "approaches its surface",
+        ContactPhase::Loss => "has lost its surface",
+        ContactPhase::Fault(_) => "has given its contact up",
+    };
+    let unit = if matches!(unit, Unit::Radians) { "N·m" } else { "N" };
+    Some(format!("task `{task}` {state}: {force} of {target} {unit}"))
 }
 
 /// Returns what a task gives up, if anything.

@@ -165,6 +165,12 @@ impl ArmState {
         self.surfaces.iter().all(|surface| surface.estimate.is_valid())
     }
 
+    /// Returns the force of a tip on its environment, base axes, N.
+    pub fn force(&self, tip: usize) -> Vector3<f64> {
+        let [x, y, z, ..] = self.wrenches[tip];
+        Vector3::new(x, y, z)
+    }
+
     /// Returns the rotation from the stated axes of a task frame to those of the surface that it follows; `None`: it follows none.
     pub fn turn_of(&self, frame: &TaskFrame) -> Option<&Rotation3<f64>> {
         self.surfaces.iter().find(|surface| surface.turns(frame)).map(|surface| &surface.turn)

@@ -76,8 +76,10 @@ impl FollowedSurface {
 
     /// Continues from what is known; `posture`: the measured one.
     pub fn recall(&mut self, known: KnownContact, posture: &Configuration) {
-        (self.known, self.estimate, self.report) = (known, known.estimate, None);
-        self.turn = self.estimate.turn(&self.stated(posture));
+        let stated = self.stated(posture);
+        (self.known, self.report) = (known, None);
+        self.estimate = known.estimate.within(&stated, self.settings.max_tilt);
+        self.turn = self.estimate.turn(&stated);
     }
 
     /// Updates the estimate by the force at the tool, N, after a time, s.

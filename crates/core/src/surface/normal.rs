@@ -10,6 +10,8 @@
 //!
 //! Vectors are along the axes of the base.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// Length of a chord, m. Shorter ones follow curves better, and are less exact.
@@ -130,12 +132,22 @@ impl NormalEstimate {
     };
 
     /// Returns whether all numbers are finite and in their ranges.
-    pub(crate) fn is_valid(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let vectors = [self.normal, self.mean, self.position, self.force, self.begin[0], self.begin[1]];
         let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-6;
         vectors.iter().all(|vector| vector.iter().all(|entry| entry.is_finite()))
             && (self.normal == Vector3::zeros() || is_unit(&self.normal))
-            && [self.friction, self.variance, self.chords].iter().all(|value| value.is_finite() && *value >= 0.0)
+            && self.mean.norm() <= 1.0 + 1e-6
+            && (0.0..=MOST_FRICTION).contains(&self.friction)
+            && (0.0..=PI * PI).contains(&self.variance)
+            && (0.0..=WAY / CHORD).contains(&self.chords)
+    }
+
+    /// Returns the estimate with n within an angle (rad) of the stated direction: a memory may say anything.
+    #[must_use]
+    pub fn within(self, stated: &Vector3<f64>, angle: f64) -> Self {
+        let normal = self.normal.try_normalize(0.5).map(|normal| within(&normal, stated, angle).0);
+        Self { normal: normal.unwrap_or(self.normal), ..self }
     }
 
     /// Returns n; before the first period the stated direction.

@@ -75,8 +75,10 @@ fn distances(contact: &Contact) -> (f64, Vec<f64>) {
     let found = contact.ratios.iter().map(|ratio| {
         axis.estimate.upper = ratio * stiffness;
         axis.swing.factor = 1.0;
+        let force = TARGET + stiffness * (axis.sensed_position - surface);
         let input = AxisInput {
-            force: TARGET + stiffness * (axis.sensed_position - surface),
+            force,
+            limited_force: force,
             target: TARGET,
             to_rest: state.distance_to_rest(drive, 0, period),
             last_velocity: last,

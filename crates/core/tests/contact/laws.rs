@@ -61,6 +61,7 @@ impl Controller for Pressing {
         let period = self.timing.period;
         let input = AxisInput {
             force: reading,
+            limited_force: reading,
             target: self.target,
             to_rest: self.state.distance_to_rest(self.drive, 0, period),
             last_velocity: self.last,

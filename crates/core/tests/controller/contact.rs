@@ -230,7 +230,14 @@ fn the_memory_stays_valid_with_long_periods() {
     let timing = ContactTiming::new(1.0, Drive { lag_s: 0.0, delay_periods: 0 }, 0.002, 0.0);
     let mut axis = ContactAxis { phase: ContactPhase::Contact, hold_time: 0.2, ..ContactAxis::START };
     axis.estimate.upper = 1e6;
-    let input = AxisInput { force: 90.0, target: 30.0, to_rest: 0.0, last_velocity: 0.0, acceleration: 5.0 };
+    let input = AxisInput {
+        force: 90.0,
+        limited_force: 90.0,
+        target: 30.0,
+        to_rest: 0.0,
+        last_velocity: 0.0,
+        acceleration: 5.0,
+    };
     law.step(0, &timing, input, &mut axis);
     assert_eq!(axis.hold_time, 0.0);
 }

@@ -200,7 +200,7 @@ fn normal_memory(memory: &wire::NormalMemory) -> Result<NormalEstimate> {
     ] {
         check_numbers(&vector, pointer)?;
     }
-    Ok(NormalEstimate {
+    let estimate = NormalEstimate {
         normal: memory.normal.into(),
         mean: memory.mean.into(),
         friction: number(memory.friction, "/normal/friction")?,
@@ -210,7 +210,10 @@ fn normal_memory(memory: &wire::NormalMemory) -> Result<NormalEstimate> {
         position: position.into(),
         force: force.into(),
         begin: [from.into(), from_force.into()],
-    })
+    };
+    let detail = "this is no estimate that an answer has given; send the memory of the last answer back unchanged";
+    check(estimate.is_valid(), "/normal", format_args!("{detail}"))?;
+    Ok(estimate)
 }
 
 fn normal_answer(estimate: &NormalEstimate) -> wire::NormalMemory {

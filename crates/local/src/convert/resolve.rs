@@ -282,6 +282,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         requested: requested(task, &outcome.achieved),
         units: units.clone(),
         is_posture: false,
+        contacts: &[],
     });
     let explained = Explained {
         held_by: None,

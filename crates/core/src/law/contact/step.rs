@@ -57,6 +57,8 @@ const TANK_SHARE: f64 = 1.2;
 pub struct AxisInput {
     /// F, measured force of the tool on the environment, N.
     pub force: f64,
+    /// The force that `max_force` limits, N: F, or |f| in all directions on a surface whose normal is only estimated.
+    pub limited_force: f64,
     /// F_d, target force, N, positive.
     pub target: f64,
     /// p − x, how far the tool moves on if all later commands are zero, m.
@@ -129,7 +131,7 @@ impl Step<'_> {
         axis.unchanged.add(settings, (force, axis.position), self.timing.period);
         let is_near = (force - self.input.target).abs() < near(settings, self.input.target);
         let sticks = axis.phase == ContactPhase::Contact && axis.unchanged.is_stuck(settings, axis.position, is_near);
-        let (cause, place) = if force > settings.max_force {
+        let (cause, place) = if self.input.limited_force > settings.max_force {
             (FaultCause::ForceLimit, axis.position)
         } else if force < -(settings.threshold() + PULL * settings.noise) {
             (FaultCause::Pull, axis.position)

@@ -40,6 +40,8 @@ pub struct PressingAxis {
     pub memory: ContactAxis,
     /// The normal of the surface in this period; `None`: the axis does not follow it.
     pub normal: Option<NormalReport>,
+    /// The tip that presses on the surface whose normal the axis follows.
+    pub followed_tip: Option<usize>,
 }
 
 impl Contacts {
@@ -62,6 +64,7 @@ impl Contacts {
             target: 0.0,
             memory: ContactAxis::START,
             normal: None,
+            followed_tip: None,
         };
         let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
         Self { axes: rows.map(axis).collect(), retreat: None }
@@ -85,6 +88,7 @@ impl Contacts {
             axis.memory = previous.contacts.get(index).copied().unwrap_or(ContactAxis::START);
             let surface = arm.surfaces.iter().find(|surface| surface.contact == index);
             axis.normal = surface.and_then(|surface| surface.report);
+            axis.followed_tip = surface.map(|surface| surface.tip);
             axis.memory.normal = surface.map_or(NormalEstimate::START, |surface| surface.estimate);
             if arm.missed_time > 0.0 {
                 let way = axis.along(&arm.missed_way, config, tasks);
@@ -112,8 +116,10 @@ impl Contacts {
             let acceleration = CONTACT_SHARE * bounds.row_acceleration((k, row), (config, &arm.capability), tasks);
             axis.target = law.pressing_force(row, force[row].unwrap_or_default());
             force[row] = Some(axis.direction * axis.target);
+            let pressed = axis.direction * state.force[row];
             let input = AxisInput {
-                force: axis.direction * state.force[row],
+                force: pressed,
+                limited_force: axis.followed_tip.map_or(pressed, |tip| arm.force(tip).norm()),
                 target: axis.target,
                 to_rest: axis.along(&arm.distance_to_rest, config, tasks),
                 last_velocity: axis.direction * last_velocity[row],
