@@ -101,7 +101,9 @@ inline Json wipe(const std::string& axis, double newtons, const std::string& alo
     const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
     Json law = presets::contact_law(newtons, options);
     if (options.max_tilt_rad) {
-        if (!(*options.max_tilt_rad > 0)) throw std::invalid_argument("give a largest tilt above 0");
+        if (!(*options.max_tilt_rad > 0 && *options.max_tilt_rad <= 1.4)) {
+            throw std::invalid_argument("give a largest tilt above 0, and at most 1.4 rad");
+        }
         law["surface"] = {{"max_tilt_rad", *options.max_tilt_rad}};
     }
     Json tasks = Json::array();

@@ -87,7 +87,8 @@ pub struct SweepOptions {
     /// Largest speed of the motion, m/s
     #[arg(long, default_value_t = 0.05)]
     speed: f64,
-    /// Largest tilt of a surface of unknown direction, whose normal the axes follow, rad; if left out, they stay
+    /// Largest tilt of a surface of unknown direction, whose normal the axes follow, rad, up to 1.4; if left out, they stay. The motion
+    /// begins with the first state: start the arm in touch
     #[arg(long)]
     max_tilt_rad: Option<f64>,
 }

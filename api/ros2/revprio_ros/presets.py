@@ -43,7 +43,11 @@ def body(text: str, period_s: float = 0.0) -> dict[str, Any]:
     if len(places) < len(names) or any("=" in word for word in places):
         raise PresetError(f"{text!r} lacks a word; write {USAGE[kind]}")
     given = dict(zip(names, places, strict=True))
-    numbers = dict(option(kind, word) for word in options)
+    numbers: dict[str, float] = {}
+    for name, value in (option(kind, word) for word in options):
+        if name in numbers:
+            raise PresetError(f"{text!r} gives {name} twice")
+        numbers[name] = value
     period_s = period_s or PERIOD_S
     robot, newtons = given.pop("robot"), number("NEWTONS", given.pop("newtons"))
     try:
@@ -59,7 +63,9 @@ def option(kind: str, word: str) -> tuple[str, float]:
     """Returns the name and the number of an option."""
     name, equals, value = word.partition("=")
     if not equals or name not in OPTIONS[kind]:
-        raise PresetError(f"{word!r} is no option of `{kind}`; there are {', '.join(OPTIONS[kind])}, as NAME=VALUE")
+        names = ", ".join(OPTIONS[kind])
+        period = "; the period is the parameter `period_s` of the node"
+        raise PresetError(f"{word!r} is no option of `{kind}`; there are {names}, as NAME=VALUE{period}")
     found = number(name, value)
     if name != "delay_periods":
         return name, found
@@ -69,8 +75,10 @@ def option(kind: str, word: str) -> tuple[str, float]:
 
 
 def number(name: str, text: str) -> float:
-    """Returns the number that a word states."""
+    """Returns the number that a word states; Python would also read `1_000` and other digits."""
+    if not re.fullmatch(r"[-+]?[0-9.]+([eE][-+]?[0-9]+)?", text):
+        raise PresetError(f"{name}: {text!r} is not a number like -15 or 0.02")
     try:
         return float(text)
     except ValueError:
-        raise PresetError(f"{name}: {text!r} is not a number") from None
+        raise PresetError(f"{name}: {text!r} is not a number like -15 or 0.02") from None

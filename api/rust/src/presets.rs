@@ -16,6 +16,9 @@ use crate::wire::{Axis, ControllerTask, Frame, Law, PerAxis, Profile, SurfaceFol
 /// Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it.
 const POSE_GAIN: f64 = 2.0;
 
+/// Largest tilt of a surface that a law accepts, rad.
+const MOST_TILT_RAD: f64 = 1.4;
+
 /// What [`push`] and [`wipe`] may be told beyond the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressOptions {
@@ -77,6 +80,9 @@ pub enum PresetError {
     /// A number is not positive.
     #[error("{0} must be finite and above 0")]
     NotPositive(&'static str),
+    /// The largest tilt is none.
+    #[error("the largest tilt must be above 0 and at most {MOST_TILT_RAD} rad")]
+    Tilt,
     /// The motion is none along the surface.
     #[error("the motion must be along x, y or z, and along another axis than the one along which the tool presses")]
     Along,
@@ -109,7 +115,7 @@ pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Res
         phase_rad: -FRAC_PI_2,
     };
     let sweep = pose(Some(way), press);
-    let tilt = max_tilt_rad.map(|tilt| positive("the largest tilt", tilt)).transpose()?;
+    let tilt = max_tilt_rad.map(largest_tilt).transpose()?;
     let mut pressing = contact(newtons, press)?;
     if let Law::Contact { surface, .. } = &mut pressing {
         *surface = tilt.map(|tilt| SurfaceFollowing { max_tilt_rad: Some(tilt) });
@@ -140,6 +146,10 @@ fn contact(newtons: f64, options: &PressOptions) -> Result<Law, PresetError> {
 
 fn positive(name: &'static str, value: f64) -> Result<f64, PresetError> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(PresetError::NotPositive(name)) }
+}
+
+fn largest_tilt(tilt: f64) -> Result<f64, PresetError> {
+    if tilt > 0.0 && tilt <= MOST_TILT_RAD { Ok(tilt) } else { Err(PresetError::Tilt) }
 }
 
 /// Returns a pose law whose gain suits an arm with this lag and delay.
@@ -225,7 +235,10 @@ mod tests {
         let still = WipeOptions { stroke_m: 0.0, ..wiping.clone() };
         assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::Stroke));
         let upright = WipeOptions { max_tilt_rad: Some(0.0), ..wiping.clone() };
-        assert!(wipe(Axis::Z, 5.0, Axis::X, &upright).is_err());
+        let overhanging = WipeOptions { max_tilt_rad: Some(1.5), ..wiping.clone() };
+        for tilted in [upright, overhanging] {
+            assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &tilted), Err(PresetError::Tilt));
+        }
         let still = WipeOptions { speed: f64::NAN, ..wiping };
         assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &still), Err(PresetError::NotPositive("the speed")));
     }

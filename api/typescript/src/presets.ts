@@ -4,6 +4,8 @@ const AXES: readonly Axis[] = ["x", "y", "z", "rx", "ry", "rz"];
 
 /** Lag of the arm's velocity loop, s: the default of the `drive` of a controller. */
 const LAG_S = 0.03;
+/** Largest tilt of a surface that a law accepts, rad. */
+const MOST_TILT_RAD = 1.4;
 
 /** Delay of a command, periods: the default of the `drive` of a controller. */
 const DELAY_PERIODS = 2;
@@ -69,7 +71,9 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     throw new RangeError("give a way; its sign is the direction in which the motion begins");
   }
   if (!Number.isFinite(speed) || speed <= 0) throw new RangeError("give a speed above 0");
-  if (maxTiltRad !== undefined && !(maxTiltRad > 0)) throw new RangeError("give a largest tilt above 0");
+  if (maxTiltRad !== undefined && !(maxTiltRad > 0 && maxTiltRad <= MOST_TILT_RAD)) {
+    throw new RangeError(`give a largest tilt above 0, and at most ${MOST_TILT_RAD} rad`);
+  }
   const gain = poseGain(options);
   const half = strokeM / 2;
   const way = {

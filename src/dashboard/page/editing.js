@@ -77,13 +77,13 @@ async function restore(runControl) {
 }
 
 /** Selects a scenario or a robot, and records the setup. @type {(runControl: RunControl, name: string, robot?: string, press?: Setup['press']) => Promise<void>} */
-export async function select(runControl, name, robot = '', press = null) {
+export const select = (runControl, name, robot = '', press = null) => afterOthers(async () => {
   const before = runControl.setup;
   if (robot) await runControl.makePlayground(robot, press);
   if (before) runControl.undoable.push(before);
   await runControl.selectScenario(name);
   if (runControl.setup) runControl.setup = { ...runControl.setup, press };
-}
+});
 
 /**
  * Changes the setup and applies to the current run what can change during a run.

@@ -46,7 +46,7 @@ export function hideNotice() {
  */
 export function showError(error, retry) {
   if (!(error instanceof ApiError)) {
-    notify('The run was interrupted', error instanceof Error ? error.message : String(error));
+    notify('That did not work', error instanceof Error ? error.message : String(error));
     return;
   }
   const { status, problem, retryAfter } = error;

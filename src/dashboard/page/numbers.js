@@ -64,7 +64,8 @@ function drawForce(view) {
   setText('force-value', fixed(shown, 1));
   setText('force-unit', 'N');
   const desired = hasTarget ? `, desired ${fixed(target, 1)} N` : '';
-  setText('force-target', `along ${forceLabel(view, axis)}${desired}`);
+  // Before the first sample, nothing is known of directions.
+  setText('force-target', index < 0 ? '' : `along ${forceLabel(view, axis)}${desired}`);
   element('force-target').title = 'Force of the tool on the environment';
   return {
     text: `contact force ${fixed(shown, 1)} N${desired}`,

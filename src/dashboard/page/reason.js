@@ -33,7 +33,7 @@ const MAX_PARTS = 3;
 const RECENT = 0.25;
 
 /** What `why` says at its end: what the tasks give up, or that they give up nothing. */
-const END = /^(task `.*` (gives up|moves in its direction) |no limit is active|every task )/;
+const END = /^(task `.*` (gives up|moves in its direction|approaches its surface|has lost its surface|has given its contact up)|no limit is active|every task )/;
 
 /** What `why` says of a single period, of which the page collects nothing. */
 const CONFLICT = 'the tasks are in conflict';
@@ -43,7 +43,8 @@ export function reason(view) {
   const { sample } = view;
   if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
   const losses = lossesOf(view, sample);
-  const kind = losses.length > 0 && !isOrdinary(view, losses) ? 'limited' : 'ok';
+  const presses = (sample.contacts ?? []).every(({ state }) => state === 'contact');
+  const kind = (losses.length > 0 && !isOrdinary(view, losses)) || !presses ? 'limited' : 'ok';
   const parts = sample.why ? sentences(view, sample, losses) : [...losses.map(({ text }) => text), 'the controller says no more without `why`'];
   return { text: capital(`${parts.join('; ')}.`).replace(/`([^`]*)`/g, '“$1”'), kind };
 }

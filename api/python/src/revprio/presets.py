@@ -47,6 +47,9 @@ DELAY_PERIODS = 2
 PREFERRED_LENGTH = {"position": 0.1, "balance": 1.0, "orientation": 2.0}
 """`characteristic_length_m` of an arm of about 1 m; see docs/guides/choose-damping.md."""
 
+MOST_TILT_RAD = 1.4
+"""Largest tilt of a surface that a law accepts, rad."""
+
 POSE_GAIN = 2.0
 """Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it."""
 
@@ -119,8 +122,8 @@ def wipe(  # noqa: PLR0913
         raise _invalid("/stroke_m", "give a way; its sign is the direction in which the motion begins")
     if _finite("/speed", speed) <= 0:
         raise _invalid("/speed", "give a number above 0")
-    if max_tilt_rad is not None and _finite("/max_tilt_rad", max_tilt_rad) <= 0:
-        raise _invalid("/max_tilt_rad", "give a number above 0")
+    if max_tilt_rad is not None and not 0 < _finite("/max_tilt_rad", max_tilt_rad) <= MOST_TILT_RAD:
+        raise _invalid("/max_tilt_rad", f"give a number above 0, and at most {MOST_TILT_RAD}")
     gain = pose_gain(lag_s + delay_periods * period_s)
     half = stroke_m / 2
     # From the start and back: half − half cos ω t.
