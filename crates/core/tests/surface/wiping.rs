@@ -52,6 +52,18 @@ fn friction_is_told_apart_from_the_tilt() {
     }
 }
 
+/// A tool that slides up a steep, rough surface jams before the normal is known, and the force along the believed one stays small.
+#[test]
+fn a_tool_that_jams_leaves_at_its_largest_force() {
+    let hardest = |max_force| {
+        let surface = Surface { stiffness: 1e4, ..tilted(-40.0, 0.8) };
+        let seen = World::new(surface, Wipe { max_force, ..Wipe::ALONG_X }).run(BEGIN + 4.5);
+        seen.iter().map(|seen| seen.normal_force).fold(0.0, f64::max)
+    };
+    let [free, limited] = [f64::INFINITY, 40.0].map(hardest);
+    assert!(free > 80.0 && limited < 50.0, "{free} {limited}");
+}
+
 #[test]
 fn a_ball_and_a_bowl_are_followed() {
     for radius in [0.3, -0.4] {

@@ -123,6 +123,8 @@ pub struct Wipe {
     pub stroke: Stroke,
     /// The stated axes.
     pub frame: Frame,
+    /// Force at which the tool leaves, N.
+    pub max_force: f64,
 }
 
 impl Wipe {
@@ -132,6 +134,7 @@ impl Wipe {
         along: [1.0, 0.0],
         stroke: Stroke::SlowStart,
         frame: Frame::Base,
+        max_force: f64::INFINITY,
     };
 }
 
@@ -154,8 +157,8 @@ pub fn task(name: &str, axes: &[Axis], frame: Frame, law: Law, displacement: Opt
 }
 
 /// Returns a law that presses downwards.
-pub fn pressing(surface: Option<SurfaceSettings>) -> ContactLaw {
-    let settings = ContactSettings { approach_speed: Some(0.01), ..ContactSettings::default() };
+pub fn pressing(surface: Option<SurfaceSettings>, max_force: f64) -> ContactLaw {
+    let settings = ContactSettings { approach_speed: Some(0.01), max_force, ..ContactSettings::default() };
     let law = ContactLaw::new(Profile::constant(vec![-FORCE]).unwrap(), vec![settings]).unwrap();
     match surface {
         Some(surface) => law.with_surface(surface).unwrap(),
@@ -186,7 +189,7 @@ pub fn controller(robot: &Arc<RobotModel>, wipe: Wipe) -> Controller {
         }
     };
     let hold = Law::Position(PositionLaw::new(vec![5.0; 5]).unwrap());
-    let press = Law::Contact(pressing(wipe.surface));
+    let press = Law::Contact(pressing(wipe.surface, wipe.max_force));
     let tasks = vec![
         task("press", &[Axis::Z], wipe.frame, press, None),
         task("move", &[Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], wipe.frame, hold, Some(displacement)),

@@ -126,7 +126,7 @@ pub(super) fn aim<'a>(
     for (k, target) in targets.iter_mut().enumerate() {
         evaluate_law(k, target, (bounds, gains, contacts), (config, arm, previous), (tasks, streams));
     }
-    contacts.release_tasks_above_a_retreat(targets, tasks)?;
+    contacts.give_way_to_a_retreat(config, targets, tasks)?;
     match null_space_velocity {
         // An operator who lost the link expects an arm that rests.
         Some(velocity) if streams::have_dropped_out(streams) => velocity.fill(0.0),

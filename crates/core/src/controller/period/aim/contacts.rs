@@ -136,15 +136,20 @@ impl Contacts {
     }
 
     /// Lets the tasks above one with a fault by force go: nothing but limits and constraints holds its retreat back, and none brings the tool
-    /// back afterwards.
-    pub(super) fn release_tasks_above_a_retreat(
+    /// back afterwards. The tasks below it that turn with its surface stop: the tool may have slid into a slope that it does not know.
+    pub(super) fn give_way_to_a_retreat(
         &self,
+        config: &ControllerConfig,
         targets: &mut [TaskTarget],
         tasks: &mut TaskStack,
     ) -> Result<(), TaskError> {
         let Some(retreat) = self.retreat else { return Ok(()) };
-        for target in &mut targets[..retreat] {
-            target.velocity.fill(0.0);
+        let faulty = &config.tasks[retreat];
+        let follows = faulty.law.contact().is_some_and(|law| law.surface().is_some());
+        for (k, target) in targets.iter_mut().enumerate().filter(|(k, _)| *k != retreat) {
+            if k < retreat || (follows && config.tasks[k].rows.has_axes_of(&faulty.rows)) {
+                target.velocity.fill(0.0);
+            }
         }
         tasks.overwrite_jacobians(|k, jacobian| {
             if k < retreat {
