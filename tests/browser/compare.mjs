@@ -209,6 +209,8 @@ for (const renderer of ['canvas', 'webgl']) {
     const [left, right] = await shares();
     assert.ok(right > 20 * left && right > 2e-4, `the path of the ghost is in ${left} of the left and ${right} of the right picture`);
     await page.click('[data-compare="divider"]');
+    // The next drawing shows it; a hidden element takes no focus.
+    await page.waitForFunction(() => !document.getElementById('divider').hidden);
     await page.focus('#divider');
     await page.keyboard.press('Home');
     await page.waitForFunction(() => document.getElementById('divider').ariaValueNow === '4');
