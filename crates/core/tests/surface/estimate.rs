@@ -119,3 +119,21 @@ fn a_tool_that_turns_back_keeps_its_normal() {
         }
     }
 }
+
+/// A memory that a client has changed turns no pressing direction beyond the largest tilt.
+#[test]
+fn a_changed_memory_stays_within_the_largest_tilt() {
+    let stated = -Vector3::z();
+    for normal in [Vector3::z(), Vector3::x(), Vector3::new(0.6, 0.0, -0.8)] {
+        let estimate = NormalEstimate { normal, ..NormalEstimate::START }.within(&stated, 0.5);
+        assert!(estimate.normal.angle(&stated) <= 0.5 + 1e-9 && estimate.is_valid(), "{normal}");
+    }
+    for wrong in [
+        NormalEstimate { mean: 5.0 * Vector3::z(), ..NormalEstimate::START },
+        NormalEstimate { friction: 1.5, ..NormalEstimate::START },
+        NormalEstimate { variance: 1e9, ..NormalEstimate::START },
+        NormalEstimate { chords: f64::NAN, ..NormalEstimate::START },
+    ] {
+        assert!(!wrong.is_valid(), "{wrong:?}");
+    }
+}
