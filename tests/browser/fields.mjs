@@ -125,6 +125,20 @@ function explicit(task) {
   return { frame: 'base', ...task, law };
 }
 
+test('a target is drawn next to the tool along directions that its task leaves free', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const { place, far } = await page.evaluate(async () => {
+    const { distanceTo, handle } = await import('/dashboard/target.js');
+    const pose = (position) => ({ position, orientation: { w: 1, x: 0, y: 0, z: 0 } });
+    const last = { time_s: 1, position: [0.11, 0.2, 0.9], orientation: [1, 0, 0, 0] };
+    const history = { last, length: 0, measures: null, segmentAt: () => null };
+    const controller = { tasks: [{ name: 'push', axes: ['z'], law: { kind: 'contact' } }, { name: 'hold', axes: ['x', 'y'], law: { kind: 'pose' } }] };
+    const goal = handle({ watch: null, history, cursor: null, dragged: null, preview: { tool: pose([0.1, 0.2, 0.3]) }, applied: { controller } });
+    return { place: goal.pose.position, far: distanceTo(goal, last.position) };
+  });
+  assert.deepEqual(place.map((part) => Number(part.toFixed(9))), [0.1, 0.2, 0.9]);
+  assert.ok(Math.abs(far - 0.01) < 1e-9, `${far} m`);
+}));
+
 test('several messages stay, one of each matter, and each closes by itself', options, () => withPage('scenario=stiff_wall', async (page) => {
   await page.evaluate(async () => {
     const { notify, showError } = await import('/dashboard/notices.js');
