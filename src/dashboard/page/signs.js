@@ -54,9 +54,8 @@ const NEAR_PLANE = 0.5;
 /** Radius of the ring of a contact, px. */
 const RING = 13;
 
-/** Height of a line of text, px, and the largest part of the scene's width for the text of a contact. */
+/** Height of a line of text, px. */
 const LINE = 18;
-const WIDEST = 0.5;
 
 /** Font of the texts. */
 const FONT = '600 12px system-ui, sans-serif';
@@ -148,9 +147,10 @@ function drawContacts(context, camera, { tool, states }, colours) {
     context.arc(x, y, RING + 6 * i, 0, 2 * Math.PI);
     context.stroke();
   });
-  const lines = states.flatMap(({ state, text }) => wrapped(context, text, WIDEST * camera.free.width).map((part) => ({ part, colour: contactColour(state, colours) })));
-  const right = camera.free.left + camera.free.width - Math.max(0, ...lines.map(({ part }) => context.measureText(part).width));
-  lines.forEach(({ part, colour }, i) => write(context, camera, Math.min(x + RING + 8, right), y + RING + 4 + LINE * i, part, colour, colours));
+  const [left, end] = [x + RING + 8, camera.free.left + camera.free.width];
+  const lines = states.flatMap(({ state, text }) => wrapped(context, text, end - left).map((part) => ({ part, colour: contactColour(state, colours) })));
+  const widest = Math.max(0, ...lines.map(({ part }) => context.measureText(part).width));
+  lines.forEach(({ part, colour }, i) => write(context, camera, Math.min(left, end - widest), y + RING + 4 + LINE * i, part, colour, colours));
 }
 
 /** Breaks a text that is too wide after its colon. @type {(context: CanvasRenderingContext2D, text: string, width: number) => string[]} */
