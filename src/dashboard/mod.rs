@@ -34,6 +34,7 @@ const FILES: &[(&str, &str)] = &files![
     "drop.js",
     "editing.js",
     "export.js",
+    "fields.js",
     "figure_of_eight.js",
     "figures.js",
     "follow.js",

@@ -75,6 +75,42 @@ test('the scene fills the page, no panel covers its free part, and a phone has o
   }
 });
 
+test('the keyboard reaches every part, and each shows that it has the focus', options, async () => {
+  const { page, close } = await open(browser, `${service.url}/#scenario=playground&robot=panda&ghost=task_priority`, { reducedMotion: 'reduce' });
+  await waitForState(page, 'connection', 'ready');
+  const reached = [];
+  for (let i = 0; i < 80; i += 1) {
+    await page.keyboard.press('Tab');
+    const at = await page.evaluate(() => {
+      const { activeElement: part } = document;
+      // Panels cover the edges of the scene, so its free part shows the focus; the text of a radio button shows its own.
+      const shown = part.id === 'scene' ? document.getElementById('free') : part.type === 'radio' ? part.nextElementSibling : part;
+      const { left, right, top, bottom } = shown.getBoundingClientRect();
+      const { outlineStyle, outlineWidth } = getComputedStyle(shown);
+      const isSeen = outlineStyle === 'solid' && Number.parseFloat(outlineWidth) >= 2 && left >= 0 && right <= innerWidth && bottom > 0 && top < innerHeight;
+      return { name: part.id || part.ariaLabel || part.textContent.trim(), isBody: part === document.body, isSeen };
+    });
+    if (at.isBody) break;
+    reached.push(at);
+  }
+  assert.deepEqual(reached.filter(({ isSeen }) => !isSeen), []);
+  for (const part of ['scenario', 'scene', 'go', 'speed', 'loop']) assert.ok(reached.some(({ name }) => name === part), `${part} is not among ${reached.map(({ name }) => name)}`);
+  await close();
+});
+
+test('the keys of the scene do not cover the bar of comparing', options, async () => {
+  const { page, close } = await open(browser, `${service.url}/#scenario=playground&robot=panda&ghost=task_priority`);
+  await waitForState(page, 'connection', 'ready');
+  await page.focus('#scene');
+  assert.equal(await page.isVisible('#scene-keys'), true);
+  await page.click('#go');
+  await page.waitForSelector('#compare:not([hidden])');
+  await page.focus('#scene');
+  assert.equal(await page.isVisible('#scene-keys'), false);
+  await page.goto('about:blank');
+  await close();
+});
+
 test('joints keep distinct names, and no number is a negative zero', options, async () => {
   const { page, close } = await open(browser, service.url);
   await waitForState(page, 'connection', 'ready');

@@ -351,7 +351,7 @@ test('the scene is recorded as a GIF film with at most ten pictures per second',
 const clipboard = { permissions: ['clipboard-read', 'clipboard-write'] };
 
 /** Hides a message, which may disappear by itself at any moment. */
-const hideNotice = (page) => page.evaluate(() => { document.getElementById('notice').hidden = true; });
+const hideNotice = (page) => page.evaluate(() => { document.getElementById('notice').replaceChildren(); });
 
 /** Copies the link of a page. */
 async function linkOf(page) {
@@ -489,7 +489,7 @@ test('a hostile link does no harm and says what is wrong', options, async () => 
   for (const [part, message] of cases) {
     await withPage(`scenario=playground&robot=panda&${part}`, async (page) => {
       await waitForText(page, '#notice', /The robot of the link was not loaded/);
-      assert.match(await page.textContent('#notice-detail'), message, part.slice(0, 60));
+      assert.match(await page.textContent('#notice p'), message, part.slice(0, 60));
       await waitForText(page, '#description', /^panda at rest/);
       assert.equal(await page.isEnabled('#go'), true);
     }, small);

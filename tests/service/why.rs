@@ -152,6 +152,35 @@ fn a_posture_below_all_other_tasks_gives_way_without_a_conflict() {
 }
 
 #[test]
+fn the_states_of_a_contact_are_told_with_their_forces() {
+    let service = Service::start();
+    let press = |axis: &str| {
+        let law = json!({"kind": "contact", "target_force": {"kind": "constant", "value": 10}, "max_force": 40});
+        let tasks = json!([{"name": "press", "axes": [axis], "law": law}]);
+        service.open(&json!({"robot": "planar_3r", "period_s": 0.01, "why": true, "tasks": tasks}))
+    };
+    let said = |address: &str, readings: &[[f64; 2]], first: usize| {
+        let steps = readings.iter().enumerate().map(|(k, [force, torque])| {
+            let sequence = first + k;
+            let state = json!({
+                "sequence": sequence, "time_s": 0.01 * sequence as f64, "joint_position": [0.3, 0.5, 0.4],
+                "joint_velocity": [0, 0, 0], "wrench": {"force": [force, 0, 0], "torque": [0, 0, torque]},
+            });
+            sentences(&service.call(&format!("{address}/step"), &state)).join("; ")
+        });
+        steps.last().unwrap()
+    };
+    let address = press("x");
+    assert_eq!(said(&address, &[[0.0; 2]; 2], 0), "task `press` approaches its surface: 0 of 10 N");
+    let pressing = [[10.0, 0.0], [10.2, 0.0], [9.9, 0.0], [10.1, 0.0]].repeat(3);
+    assert_eq!(said(&address, &pressing, 2), "no limit is active; every task is achieved");
+    let lost = [[0.1, 0.0], [0.05, 0.0]].repeat(10);
+    assert_eq!(said(&address, &lost, 14), "task `press` has lost its surface: 0.050 of 10 N");
+    assert_eq!(said(&address, &[[60.0, 0.0]], 34), "task `press` has given its contact up: 60 of 10 N");
+    assert_eq!(said(&press("rz"), &[[0.0, 0.0]], 0), "task `press` approaches its surface: 0 of 10 N·m");
+}
+
+#[test]
 fn only_callers_that_want_sentences_get_them() {
     let service = Service::start();
     let resolve = service.call("/v1/resolve", &example("resolve_limits.json"));

@@ -53,7 +53,9 @@ export function forces(context, camera, world, colours) {
   const target = /** @type {Vec3} */ (world.target.map((value) => value ?? 0));
   if (norm(target) > 0.1) arrow(context, camera, tool, target, colours.text, true, '');
   if (norm(world.force) > 0.2) {
-    arrow(context, camera, tool, world.force, colours.accent, false, `${norm(world.force).toFixed(1)} N`);
+    // The sign of a contact says the force, too.
+    const label = world.signs?.states.length ? '' : `${norm(world.force).toFixed(1)} N`;
+    arrow(context, camera, tool, world.force, colours.accent, false, label);
   }
   if (norm(world.push) > 0.2) {
     const from = sub(tool, scale(unit(world.push), arrowLength(norm(world.push))));

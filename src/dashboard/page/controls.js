@@ -2,6 +2,7 @@
 
 import * as drop from './drop.js';
 import * as editing from './editing.js';
+import { read } from './fields.js';
 import * as ghostsForm from './ghosts_form.js';
 import { element } from './notices.js';
 import * as obstaclesForm from './obstacles_form.js';
@@ -86,8 +87,7 @@ function bindSetup(runControl, attempt) {
   });
   select('solver').onchange = () => change({ solver: /** @type {Setup['solver']} */ (select('solver').value) });
   input('lag').onchange = () => {
-    const lag = setups.numbers(input('lag').value);
-    input('lag').ariaInvalid = String(!lag);
+    const lag = read(input('lag'));
     if (lag) change({ lag: lag[0] / 1000 });
   };
   input('speed').oninput = () => {

@@ -34,7 +34,7 @@ export function force(surface, width, height, view, colours) {
   const shown = forceAxes(view);
   const hasTarget = shown.some((axis) => history.hasTarget(axis)) || (history.measures?.rows.length ?? 0) > 0;
   const below = hasTarget ? Math.round(0.3 * height) : 0;
-  const frame = timeFrame(width, height, view, forceRange(view, shown), 8, hasTarget ? below + 26 : BOTTOM);
+  const frame = timeFrame(width, height, view, forceRange(view, shown), 8, hasTarget ? below + 31 : BOTTOM);
   axes(surface, frame, colours, hasTarget ? { x: false } : { xLabel: 's' });
   for (const axis of shown) {
     const [columns, colour] = [history.columns, colours.axes[axis]];

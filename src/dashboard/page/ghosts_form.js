@@ -87,8 +87,7 @@ function tell(runControl, attempt, read) {
   const odd = read.flatMap(({ name, suspicious }) => (suspicious.length > 0 ? [` Joint ${suspicious[0]} of ${name} goes far beyond its range: a recording has rad, not degrees.`] : []));
   const aimed = read.find(({ targets }) => targets !== null);
   const act = aimed && !runControl.watch ? { act: 'Follow its target', onAct: () => attempt(() => follow(runControl, aimed)) } : {};
-  notify(read.length === 1 ? 'Recording added as a ghost' : `${read.length} recordings added as ghosts`, `${facts.join(' ')} They play with the time of the run.${odd.join('')}`, { info: odd.length === 0 && !aimed, ...act });
-  element('notice').classList.toggle('info', odd.length === 0);
+  notify(read.length === 1 ? 'Recording added as a ghost' : `${read.length} recordings added as ghosts`, `${facts.join(' ')} They play with the time of the run.${odd.join('')}`, { info: odd.length === 0, stays: odd.length > 0 || aimed !== undefined, ...act });
 }
 
 /** Shows the list, if it has changed. @type {(runControl: RunControl) => void} */

@@ -1,6 +1,7 @@
 // Records the scene as a GIF film of bounded length and size.
 
 import { DEPTH, TRAILER, encoded, header, paletteOf, toPixels } from './gif.js';
+import { quantity } from './number.js';
 
 /** Smallest time between two pictures and the longest film, ms; the largest width and height, px, and size, bytes. */
 const BETWEEN = 100;
@@ -106,6 +107,6 @@ export class GifRecorder {
       await new Promise((resolve) => { setTimeout(resolve); });
     }
     const cut = shown < pictures.length ? `; ${pictures.length - shown} more would exceed ${MAX_BYTES / 1e6} MB` : '';
-    this.onFilm(new Blob([...parts, TRAILER], { type: 'image/gif' }), `${shown} pictures, ${(size / 1e6).toFixed(1)} MB${cut}`);
+    this.onFilm(new Blob([...parts, TRAILER], { type: 'image/gif' }), `${shown} ${shown === 1 ? 'picture' : 'pictures'}, ${quantity(size / 1e6, 'MB', 2)}${cut}`);
   }
 }

@@ -11,7 +11,7 @@ import { drawNumbers } from './numbers.js';
 import { showInvite } from './invite.js';
 import * as link from './link.js';
 import { watchConnection } from './connection.js';
-import { element, showError, hideNotice, notify } from './notices.js';
+import { element, notify, showError } from './notices.js';
 import * as pointer from './pointer.js';
 import { roomController } from './room.js';
 import * as replay from './replay.js';
@@ -54,7 +54,6 @@ swing.bind(() => { needsRedraw = true; });
 roomSwitch.bind(() => roomController(runControl), () => { needsRedraw = true; });
 element('theme').onclick = () => theme.toggle();
 theme.onTheme(() => { needsRedraw = true; });
-element('notice-close').onclick = hideNotice;
 element('close-up').onclick = () => {
   runControl.closeUp = !runControl.closeUp;
   element('close-up').ariaPressed = String(runControl.closeUp);

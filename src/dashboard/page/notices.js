@@ -10,34 +10,41 @@ export function element(id) {
   return /** @type {any} */ (found);
 }
 
-/** @type {number | undefined} */
-let hideTimer;
+/** Maximum number of messages at a time; the oldest goes first. */
+const MAX_NOTICES = 4;
+
+/** Time after which an `info` message disappears, ms. */
+const INFO_TIME = 8000;
 
 /**
- * Shows a message; an `info` message disappears after 8 s.
+ * Shows a message above the others. It replaces an earlier one about the same.
  * @param {string} title
  * @param {string} detail
- * @param {{info?: boolean, act?: string, onAct?: () => void}} [options]
+ * @param {{info?: boolean, stays?: boolean, about?: string, act?: string, onAct?: () => void}} [options] `info`: no error;
+ *   disappears by itself, unless it `stays`. `about`: what the message is about, by default its title
  */
-export function notify(title, detail, { info = false, act, onAct } = {}) {
-  clearTimeout(hideTimer);
-  element('notice-title').textContent = title;
-  element('notice-detail').textContent = detail;
-  const button = element('notice-act');
-  button.hidden = !act;
-  button.textContent = act ?? '';
-  button.onclick = () => {
-    hideNotice();
-    onAct?.();
-  };
-  element('notice').classList.toggle('info', info);
-  element('notice').hidden = false;
-  if (info) hideTimer = window.setTimeout(hideNotice, 8000);
+export function notify(title, detail, { info = false, stays = !info, about = title, act, onAct } = {}) {
+  const list = element('notice');
+  const notice = made('div', info ? 'notice info' : 'notice');
+  notice.role = 'alert';
+  notice.dataset.about = about;
+  const text = made('div');
+  text.append(made('strong', '', title), made('p', '', detail));
+  notice.append(text);
+  const hide = () => notice.remove();
+  if (act) notice.append(button(act, '', () => { hide(); onAct?.(); }));
+  notice.append(Object.assign(button('✕', 'quiet', hide), { ariaLabel: `Close the message “${title}”` }));
+  for (const old of /** @type {NodeListOf<HTMLElement>} */ (list.querySelectorAll('.notice'))) if (old.dataset.about === about) old.remove();
+  list.prepend(notice);
+  while (list.children.length > MAX_NOTICES) list.lastElementChild?.remove();
+  if (!stays) setTimeout(hide, INFO_TIME);
 }
 
-export function hideNotice() {
-  element('notice').hidden = true;
-}
+/** @type {(kind: string, className?: string, text?: string) => HTMLElement} */
+const made = (kind, className = '', text = '') => Object.assign(document.createElement(kind), { className, textContent: text });
+
+/** @type {(text: string, className: string, onclick: () => void) => HTMLElement} */
+const button = (text, className, onclick) => Object.assign(made('button', className, text), { type: 'button', onclick });
 
 /**
  * Shows an error and what to do about it.
@@ -46,7 +53,8 @@ export function hideNotice() {
  */
 export function showError(error, retry) {
   if (!(error instanceof ApiError)) {
-    notify('That did not work', error instanceof Error ? error.message : String(error));
+    const detail = error instanceof Error ? error.message : String(error);
+    notify('That did not work', detail, { about: detail });
     return;
   }
   const { status, problem, retryAfter } = error;

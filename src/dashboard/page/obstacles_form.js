@@ -1,6 +1,7 @@
 // The form for obstacles.
 
 import { vec } from './arm.js';
+import { read } from './fields.js';
 import { element } from './notices.js';
 import { middle, newObstacle, obstaclesOf, placed } from './obstacles.js';
 
@@ -11,6 +12,9 @@ import { middle, newObstacle, obstaclesOf, placed } from './obstacles.js';
  * @typedef {import('./types.js').RoomObstacle} RoomObstacle
  * @typedef {import('./types.js').Vec3} Vec3
  */
+
+/** Largest distance of an obstacle from the base along an axis, m. */
+const FARTHEST = 100;
 
 const KINDS = /** @type {const} */ (['sphere', 'post', 'box']);
 
@@ -56,10 +60,8 @@ function placeField(place, onPlace) {
   Object.assign(field, { type: 'text', className: 'place', title: 'x y z of its middle, m' });
   field.value = place.map((value) => String(Math.round(value * 1000) / 1000)).join(' ');
   field.onchange = () => {
-    const values = field.value.trim().split(/[\s,;]+/).map((word) => Number(word.replace('−', '-')));
-    const isValid = values.length === 3 && values.every((value) => Number.isFinite(value) && Math.abs(value) < 100);
-    field.ariaInvalid = String(!isValid);
-    if (isValid) onPlace(vec(values));
+    const numbers = read(field, { count: 3, least: -FARTHEST, most: FARTHEST });
+    if (numbers) onPlace(vec(numbers));
   };
   return field;
 }

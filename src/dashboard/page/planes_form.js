@@ -1,6 +1,7 @@
 // The form for planes and walls.
 
 import { vec } from './arm.js';
+import { read } from './fields.js';
 import { element } from './notices.js';
 import { SIDES, newPlane } from './planes.js';
 
@@ -10,6 +11,9 @@ import { SIDES, newPlane } from './planes.js';
  * @typedef {import('./setup.js').Setup} Setup
  * @typedef {(part: Partial<Setup>) => void} Change
  */
+
+/** Largest distance of a plane from the base, m. */
+const FARTHEST = 100;
 
 /** @type {(runControl: RunControl, change: Change) => void} */
 export function bind(runControl, change) {
@@ -36,10 +40,8 @@ export function planeItems({ setup }, change) {
     const field = document.createElement('input');
     Object.assign(field, { type: 'number', step: '0.01', value: String(plane.offset) });
     field.onchange = () => {
-      const offset = Number(field.value);
-      const isValid = field.value.trim() !== '' && Number.isFinite(offset) && Math.abs(offset) < 100;
-      field.ariaInvalid = String(!isValid);
-      if (isValid) replace(i, { ...plane, offset });
+      const numbers = read(field, { least: -FARTHEST, most: FARTHEST });
+      if (numbers) replace(i, { ...plane, offset: numbers[0] });
     };
     label.append(`${plane.name}, ${plane.side} `, field, ' m');
     const remove = document.createElement('button');

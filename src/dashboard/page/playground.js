@@ -1,6 +1,7 @@
 // The playground: a scenario that the page makes for any robot.
 
-import { pressing } from './presets.js';
+import { quantity } from './number.js';
+import { DISTANCE, pressing } from './presets.js';
 import { post } from './transport.js';
 
 /**
@@ -48,7 +49,20 @@ export async function playground(robot, press = null) {
   const linear = mobile.filter((axis) => axis.length === 1);
   const angular = mobile.filter((axis) => axis.length === 2);
   const made = scenario(robot, best.posture, linear, angular);
-  return press ? pressing(made, press, mobile) : made;
+  return press ? withApproach(pressing(made, press, mobile)) : made;
+}
+
+/** Adds to the description how fast the tool approaches the wall: without a stated speed, only the law knows. @type {(scenario: Scenario) => Promise<Scenario>} */
+async function withApproach(scenario) {
+  const joint_position = scenario.start_joint_position;
+  const none = [0, 0, 0];
+  const state = { sequence: 0, time_s: 0, joint_position, joint_velocity: joint_position.map(() => 0), wrench: { force: none, torque: none } };
+  /** @type {import('./types.js').StepAnswer} */
+  const { tasks } = await post('/v1/step', { controller: scenario.controller, state, memory: null });
+  const speed = tasks[0].contact?.[0].approach_speed;
+  if (!speed) return scenario;
+  const approach = `It approaches at ${quantity(1000 * speed, 'mm/s', 2)} and needs about ${quantity(DISTANCE / speed, 's', 2)} to the wall.`;
+  return { ...scenario, description: `${scenario.description} ${approach}` };
 }
 
 /** @typedef {{posture: number[], answer: KinematicsAnswer}} Tried */

@@ -53,12 +53,19 @@ function decades({ low, high }, max) {
 
 const SUPERSCRIPTS = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 
+/** @type {(power: number) => string} */
+function powerOfTen(power) {
+  const digits = [...String(Math.abs(power))].map((digit) => SUPERSCRIPTS[Number(digit)]).join('');
+  return `10${power < 0 ? '⁻' : ''}${digits}`;
+}
+
 /** @type {(value: number, log: boolean) => string} */
 export function tickLabel(value, log) {
-  if (log && (value >= 1e4 || value < 1e-2)) {
-    const power = Math.round(Math.log10(value));
-    const digits = [...String(Math.abs(power))].map((digit) => SUPERSCRIPTS[Number(digit)]).join('');
-    return `10${power < 0 ? '⁻' : ''}${digits}`;
+  if (log && (value >= 1e4 || value < 1e-2)) return powerOfTen(Math.round(Math.log10(value)));
+  if (value !== 0 && Math.abs(value) < 1e-3) {
+    const power = Math.floor(Math.log10(Math.abs(value) * (1 + 1e-9)));
+    const digits = Number((value / 10 ** power).toPrecision(3));
+    return `${digits === 1 ? '' : `${digits}·`}${powerOfTen(power)}`.replace('-', '−');
   }
   return String(Number(value.toPrecision(6))).replace('-', '−');
 }

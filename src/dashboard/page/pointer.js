@@ -195,21 +195,22 @@ function moveWithKey({ camera }, runControl, [right, up, back]) {
 
 /** Buttons that push the tool while they are pressed. @type {(runControl: RunControl) => void} */
 function bindPushButtons(runControl) {
-  /** @type {Vec3 | null} */
+  /** @type {{button: HTMLButtonElement, force: Vec3} | null} */
   let held = null;
   /** @type {HTMLSelectElement} */
   const strength = element('push-force');
   for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll('[data-push]'))) {
     const direction = vec((button.dataset.push ?? '0 0 0').split(' ').map(Number));
     const press = () => {
-      held = scale(direction, Number(strength.value));
+      held = { button, force: scale(direction, Number(strength.value)) };
       button.classList.add('held');
-      runControl.pushWith(held);
+      runControl.pushWith(held.force);
     };
     const release = () => {
-      if (!held) return;
-      held = null;
       button.classList.remove('held');
+      // A button loses the focus when the next one is pressed.
+      if (held?.button !== button) return;
+      held = null;
       runControl.pushWith(null);
     };
     button.onpointerdown = (event) => {
@@ -228,5 +229,5 @@ function bindPushButtons(runControl) {
     button.onkeyup = release;
     button.oncontextmenu = (event) => event.preventDefault();
   }
-  setInterval(() => held && runControl.pushWith(held), 200);
+  setInterval(() => held && runControl.pushWith(held.force), 200);
 }

@@ -32,6 +32,9 @@ function tasksWith({ history }, part) {
   return indices.filter((k) => history.length > 0 && !Number.isNaN(history.columns[`${part.name}${k}`][history.length - 1]));
 }
 
+/** Additional room between both parts, px: the numbers at the ends of their axes are one above the other. */
+const GAP = 8;
+
 /** @type {import('./time_axis.js').Draw} */
 export function pose(surface, width, height, view, colours) {
   const parts = [LINEAR, ANGULAR].filter((part) => tasksWith(view, part).length > 0);
@@ -45,7 +48,8 @@ export function pose(surface, width, height, view, colours) {
   const frames = parts.map((part, i) => {
     const isLast = i + 1 === parts.length;
     const top = 8 + i * each + (i > 0 ? 6 : 0);
-    const frame = timeFrame(width, height, view, range(view, part), top, height - (8 + (i + 1) * each));
+    const bottom = height - (8 + (i + 1) * each) + (isLast ? 0 : GAP);
+    const frame = timeFrame(width, height, view, range(view, part), top, bottom);
     axes(surface, frame, colours, { x: isLast, xLabel: 's', yTicks: Math.max(2, each / 30) });
     drawPart(surface, frame, view, part, colours);
     frameLabel(surface, part.unit, frame, colours);

@@ -23,11 +23,18 @@ const DRIVE = { lag_s: 0.03, delay_periods: 2 };
 const STROKE = 0.1;
 const SPEED = 0.05;
 
+/** Largest force, N, and largest speed of the approach, m/s: more than any arm of the page has. */
+export const MOST_NEWTONS = 1000;
+export const MOST_SPEED = 1;
+
+/** Noise of the simulated force sensor, N: a reading that never changes looks like that of a sensor that sticks. */
+const NOISE = 0.05;
+
 /** Largest gain of a pose law, 1/s. */
 const POSE_GAIN = 2;
 
 /** The wall: its distance from the tool, m, and its stiffness, N/m, which the controller does not know. */
-const DISTANCE = 0.01;
+export const DISTANCE = 0.01;
 const STIFFNESS = 2e4;
 
 /** Axis of a side. @type {(side: string) => Axis} */
@@ -61,6 +68,7 @@ export function pressing(scenario, press, mobile) {
     description: `${controller.robot} ${words}, on a wall whose stiffness it does not know.`,
     controller: { ...controller, drive: DRIVE, tasks },
     velocity_loop: DRIVE,
+    sensors: /** @type {any} */ ({ force: { noise: NOISE } }),
     contacts: [{ kind: 'plane', normal: normal.map((part) => -part), offset_m: DISTANCE, stiffness: STIFFNESS }],
   };
 }
@@ -72,9 +80,9 @@ export const pressText = ({ kind, side, newtons, along, speed }) => [kind, side,
 export function pressFrom(text) {
   const [kind, side, newtons, along, speed] = (text ?? '').split(',');
   const isValid = (kind === 'push' || kind === 'wipe') && SIDES.includes(side) && 'xyz'.includes(along) && along.length === 1;
-  if (!isValid || !isPositive(Number(newtons)) || (speed && !isPositive(Number(speed)))) return null;
+  if (!isValid || !isWithin(Number(newtons), MOST_NEWTONS) || (speed && !isWithin(Number(speed), MOST_SPEED))) return null;
   return { kind, side, newtons: Number(newtons), along, speed: speed ? Number(speed) : null };
 }
 
-/** @type {(value: number) => boolean} */
-export const isPositive = (value) => value > 0 && Number.isFinite(value);
+/** @type {(value: number, most: number) => boolean} */
+const isWithin = (value, most) => value > 0 && value <= most;

@@ -1,9 +1,10 @@
 // The form of the presets `push` and `wipe`: one click starts a run in which the tool presses on a wall.
 
 import { select } from './editing.js';
+import { accept, read } from './fields.js';
 import { element } from './notices.js';
 import { SIDES } from './planes.js';
-import { isPositive } from './presets.js';
+import { MOST_NEWTONS, MOST_SPEED } from './presets.js';
 import { PLAYGROUND } from './setup.js';
 
 /**
@@ -21,7 +22,7 @@ export function bind(runControl, attempt) {
   field('press-along').replaceChildren(...['x', 'y', 'z'].map((axis) => new Option(axis, axis)));
   for (const kind of /** @type {const} */ (['push', 'wipe'])) {
     element(`press-${kind}`).onclick = () => attempt(async () => {
-      const press = read(kind);
+      const press = pressOf(kind);
       const robot = runControl.robot?.name;
       if (!press || !robot) return;
       await select(runControl, PLAYGROUND, robot, press);
@@ -32,15 +33,14 @@ export function bind(runControl, attempt) {
   show(null);
 }
 
-/** Reads the form; null if a number is invalid. @type {(kind: Press['kind']) => Press | null} */
-function read(kind) {
-  const newtons = Number(field('press-newtons').value);
-  const text = field('press-speed').value.trim();
-  const speed = text === '' ? null : Number(text) / 1000;
-  field('press-newtons').ariaInvalid = String(!isPositive(newtons));
-  field('press-speed').ariaInvalid = String(speed !== null && !isPositive(speed));
-  if (!isPositive(newtons) || (speed !== null && !isPositive(speed))) return null;
-  return { kind, side: field('press-side').value, newtons, along: field('press-along').value, speed };
+/** Reads the form; null if a number is refused. @type {(kind: Press['kind']) => Press | null} */
+function pressOf(kind) {
+  const [newtons] = read(field('press-newtons'), { isOpen: true, most: MOST_NEWTONS }) ?? [];
+  const isAuto = field('press-speed').value.trim() === '';
+  if (isAuto) accept(field('press-speed'));
+  const [speed] = isAuto ? [null] : (read(field('press-speed'), { isOpen: true, most: 1000 * MOST_SPEED }) ?? []);
+  if (newtons === undefined || speed === undefined) return null;
+  return { kind, side: field('press-side').value, newtons, along: field('press-along').value, speed: speed && speed / 1000 };
 }
 
 /** Shows a preset, or the proposed numbers. @type {(press: Press | null) => void} */

@@ -2,6 +2,7 @@
 
 import { residualParts } from './goals.js';
 import { angle, distance, quantity } from './number.js';
+import { state } from './state.js';
 
 /**
  * @typedef {import('./view.js').View} View
@@ -41,7 +42,11 @@ const CONFLICT = 'the tasks are in conflict';
 /** @type {(view: View) => Reason} */
 export function reason(view) {
   const { sample } = view;
-  if (!sample) return { text: 'Run shows which tasks are achieved, and what holds the others back.', kind: 'none' };
+  if (!sample) {
+    const isSession = state.value.source === 'session';
+    const text = isSession ? 'A live session shows what a client does with its arm. Choose one under Setup.' : 'Run shows which tasks are achieved, and what holds the others back.';
+    return { text, kind: 'none' };
+  }
   const losses = lossesOf(view, sample);
   const presses = (sample.contacts ?? []).every(({ state }) => state === 'contact');
   const kind = (losses.length > 0 && !isOrdinary(view, losses)) || !presses ? 'limited' : 'ok';

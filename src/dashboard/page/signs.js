@@ -54,6 +54,12 @@ const NEAR_PLANE = 0.5;
 /** Radius of the ring of a contact, px. */
 const RING = 13;
 
+/** Height of a line of text, px. */
+const LINE = 18;
+
+/** Font of the texts. */
+const FONT = '600 12px system-ui, sans-serif';
+
 /** Steps of a drawn arc. */
 const STEPS = 40;
 
@@ -134,15 +140,23 @@ export function drawSigns(context, camera, signs, colours) {
 /** Draws a ring about the tool in the colour of each contact, with its state, force and target. @type {(context: CanvasRenderingContext2D, camera: Camera, signs: Signs, colours: Palette) => void} */
 function drawContacts(context, camera, { tool, states }, colours) {
   const { x, y } = camera.project(tool);
-  states.forEach(({ state, text }, i) => {
-    const colour = contactColour(state, colours);
-    context.strokeStyle = colour;
+  states.forEach(({ state }, i) => {
+    context.strokeStyle = contactColour(state, colours);
     context.lineWidth = 3.5;
     context.beginPath();
     context.arc(x, y, RING + 6 * i, 0, 2 * Math.PI);
     context.stroke();
-    write(context, camera, x + RING + 8, y + RING + 4 + 18 * i, text, colour, colours);
   });
+  const [left, end] = [x + RING + 8, camera.free.left + camera.free.width];
+  const lines = states.flatMap(({ state, text }) => wrapped(context, text, end - left).map((part) => ({ part, colour: contactColour(state, colours) })));
+  const widest = Math.max(0, ...lines.map(({ part }) => context.measureText(part).width));
+  lines.forEach(({ part, colour }, i) => write(context, camera, Math.min(left, end - widest), y + RING + 4 + LINE * i, part, colour, colours));
+}
+
+/** Breaks a text that is too wide after its colon. @type {(context: CanvasRenderingContext2D, text: string, width: number) => string[]} */
+function wrapped(context, text, width) {
+  context.font = FONT;
+  return context.measureText(text).width > width ? text.split(/(?<=:) /) : [text];
 }
 
 /** Draws the velocity of the tool, and from its end what each task gives up, which fades. @type {(context: CanvasRenderingContext2D, camera: Camera, signs: Signs, colours: Palette) => void} */
@@ -221,7 +235,7 @@ function label(context, camera, at, text, colour, colours) {
 
 /** Writes a text that stays in the free part of the scene. @type {(context: CanvasRenderingContext2D, camera: Camera, x: number, y: number, text: string, colour: string, colours: Palette) => void} */
 function write(context, camera, x, y, text, colour, colours) {
-  context.font = '600 12px system-ui, sans-serif';
+  context.font = FONT;
   context.textAlign = 'left';
   context.textBaseline = 'middle';
   context.lineJoin = 'round';

@@ -45,9 +45,19 @@ export function axes(context, camera, colours, withLines) {
     // With WebGL the arm hides its own axis.
     if (!withLines && axis === 2) continue;
     const label = camera.project(scale(tip, 1.18));
+    if (!withLines && isBehindBase(camera, tip, label)) continue;
     context.fillStyle = colours.axes[axis];
     context.fillText('xyz'[axis], label.x, label.y);
   }
+}
+
+/** Half the width of the base of an arm as a part of its length. */
+const BASE = 0.08;
+
+/** Returns whether the base hides the end of an axis. @type {(camera: Camera, tip: Vec3, label: {x: number}) => boolean} */
+function isBehindBase(camera, tip, label) {
+  const base = camera.project([0, 0, 0]);
+  return dot(tip, camera.back) < 0 && Math.abs(label.x - base.x) < BASE * camera.size * base.scale;
 }
 
 /** @type {(context: CanvasRenderingContext2D, camera: Camera, contact: Contact, world: World, colours: Palette) => void} */

@@ -2,7 +2,8 @@
 
 import { vec } from './arm.js';
 import { add, dot, scale, sub } from './geometry.js';
-import { inTaskFrame, positionDirections, targetPose } from './goals.js';
+import { inTaskFrame, positionDirections, referencePose, targetPose } from './goals.js';
+import { toolPose } from './measures.js';
 import { shownController, shownSample } from './view.js';
 
 /**
@@ -13,7 +14,7 @@ import { shownController, shownSample } from './view.js';
  *
  * @typedef {object} Goal
  * @property {Task} task
- * @property {Pose} pose of the task's reference point, base frame
+ * @property {Pose} pose of the task's reference point, base frame; along directions that the task leaves free, that of the tool
  * @property {Vec3[]} directions along which the task follows it
  */
 
@@ -28,11 +29,21 @@ export function handle(runControl) {
   const start = history.measures?.start ?? preview?.tool;
   if (!task || !start || watch) return null;
   const directions = positionDirections(task);
-  if (dragged?.task === task.name && cursor === null) return { task, pose: dragged.pose, directions };
+  const sample = shownSample(runControl);
+  const tool = sample ? toolPose(sample) : preview?.tool;
+  const goal = (/** @type {Pose} */ pose) => ({ task, pose: tool ? atFreeDirections(task, pose, directions, tool) : pose, directions });
+  if (dragged?.task === task.name && cursor === null) return goal(dragged.pose);
   const { from = 0, measures = null } = history.segmentAt(cursor) ?? {};
-  const time = (shownSample(runControl)?.time_s ?? 0) - from;
-  const pose = run && measures && history.length > 0 ? measures.target(task, time) : targetPose(task, start, 0);
-  return { task, pose, directions };
+  const time = (sample?.time_s ?? 0) - from;
+  return goal(run && measures && history.length > 0 ? measures.target(task, time) : targetPose(task, start, 0));
+}
+
+/** Moves a target to the tool along the directions that its task leaves free. @type {(task: Task, pose: Pose, directions: Vec3[], tool: Pose) => Pose} */
+function atFreeDirections(task, pose, directions, tool) {
+  const aim = vec(pose.position);
+  const away = sub(vec(referencePose(task, tool).position), aim);
+  const free = directions.reduce((left, direction) => sub(left, scale(direction, dot(left, direction))), away);
+  return { ...pose, position: add(aim, free) };
 }
 
 /** Moves the target and sends it to the run. @type {(runControl: RunControl, goal: Goal, shift: Vec3) => void} */

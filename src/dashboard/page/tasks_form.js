@@ -1,5 +1,6 @@
 // The list of tasks: their order, changed by drag or with the keyboard, and their gains.
 
+import { read } from './fields.js';
 import * as setups from './setup.js';
 
 /**
@@ -11,6 +12,10 @@ import * as setups from './setup.js';
 
 const GAIN_NAMES = { inertia: 'Inertia', damping: 'Damping', stiffness: 'Stiffness' };
 const GAIN_SIGNS = { inertia: 'M_d', damping: 'B_d', stiffness: 'K_d' };
+
+/** Smallest gains of the service. */
+const LEAST = { inertia: 1e-6, damping: 0, stiffness: 0 };
+
 const LAWS = /** @type {Record<string, string>} */ ({
   velocity: 'velocity', pose: 'pose', posture: 'posture', contact: 'contact', force: 'force', impedance: 'impedance', hybrid: 'hybrid',
 });
@@ -113,7 +118,7 @@ export function gainFields(runControl, change, open) {
       return numberField(GAIN_NAMES[gain], GAIN_SIGNS[gain], values, (changed) => {
         const { [key]: _, ...others } = runControl.setup?.gains ?? {};
         change({ gains: { ...others, [key]: changed } });
-      });
+      }, LEAST[gain]);
     });
     if (fields.length > 0) box.append(title, ...fields);
   });
@@ -126,8 +131,9 @@ export function gainFields(runControl, change, open) {
  * @param {string} unit
  * @param {number[]} values
  * @param {(values: number[]) => void} onChange
+ * @param {number} [least] number that it accepts
  */
-export function numberField(name, unit, values, onChange) {
+export function numberField(name, unit, values, onChange, least = 0) {
   const label = document.createElement('label');
   label.className = 'field row';
   const [side, field] = [document.createElement('span'), document.createElement('input')];
@@ -136,10 +142,8 @@ export function numberField(name, unit, values, onChange) {
   field.value = values.map(String).join(' ');
   field.title = values.length > 1 ? 'One number per axis' : '';
   field.onchange = () => {
-    const read = setups.numbers(field.value);
-    const fits = read !== null && read.length === values.length;
-    field.ariaInvalid = String(!fits);
-    if (fits) onChange(read);
+    const numbers = read(field, { count: values.length, least });
+    if (numbers) onChange(numbers);
   };
   side.append(field, unit);
   label.append(name, side);

@@ -24,6 +24,7 @@ export type SessionEntry = Schemas['SessionEntry'];
 export type SessionStatus = Schemas['SessionStatus'];
 export type WatchedStep = Schemas['WatchedStep'];
 export type KinematicsAnswer = Schemas['KinematicsAnswer'];
+export type StepAnswer = Schemas['StepAnswer'];
 export type StepRequest = Schemas['StepRequest'];
 export type ControllerTask = Schemas['ControllerTask'];
 export type Contact = Schemas['Contact'];
