@@ -26,7 +26,9 @@ const GRADIENT_STOPS = [-1, -0.7, -0.35, 0, 0.35, 0.7, 1];
 export function drawBodies(context, camera, bodies, colour) {
   const light = lightOf(camera);
   const depthOf = (/** @type {Body} */ body) => -dot(sub(scale(add(body.a, body.b), 0.5), camera.eye), camera.back);
-  const sorted = bodies.map((body) => ({ body, depth: depthOf(body) })).sort((one, other) => other.depth - one.depth);
+  // While a robot changes, its posture can still be that of another one: then a body has no place.
+  const placed = bodies.map((body) => ({ body, depth: depthOf(body) })).filter(({ depth }) => Number.isFinite(depth));
+  const sorted = placed.sort((one, other) => other.depth - one.depth);
   for (const { body } of sorted) {
     if (body.kind === 'rod') drawRod(context, camera, body, colour(body), light);
     else drawCylinder(context, camera, body, colour(body), light);
