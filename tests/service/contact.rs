@@ -108,6 +108,9 @@ fn a_surface_without_a_meaning_is_refused() {
         controller["tasks"][0]["law"]["surface"] = json!({"max_tilt_rad": tilt});
         refused(&controller, "/tasks/0/law/surface/max_tilt_rad");
     }
+    let mut list = controller(&law());
+    list["tasks"][0]["law"]["surface"] = json!([]);
+    refused(&list, "/tasks/0/law/surface");
     let mut rotation = controller(&law());
     rotation["tasks"][0]["law"]["surface"] = json!({});
     rotation["tasks"][0]["axes"] = json!(["rz"]);
@@ -117,6 +120,27 @@ fn a_surface_without_a_meaning_is_refused() {
     twice["tasks"][0]["law"]["surface"] = json!({});
     twice["tasks"][1] = json!({"name": "again", "axes": ["x"], "law": twice["tasks"][0]["law"]});
     refused(&twice, "/tasks/1/law/surface");
+}
+
+#[test]
+fn a_task_that_does_not_turn_with_a_surface_is_warned_of() {
+    let service = Service::start();
+    let mut controller = controller(&law());
+    controller["tasks"][0]["law"]["surface"] = json!({});
+    let warned = |controller: &Value| {
+        let created = service.call("/v1/controllers", controller);
+        created["warnings"].to_string().contains("does not turn with the surface")
+    };
+    assert!(!warned(&controller));
+    // The same axes, written in another way, are another frame.
+    let pose = json!({"position": [0, 0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}});
+    for frame in [json!("tool"), pose] {
+        controller["tasks"][1]["frame"] = frame;
+        assert!(warned(&controller), "{controller}");
+    }
+    // Rotations have no part in the slide.
+    controller["tasks"][1]["axes"] = json!(["rx", "ry", "rz"]);
+    assert!(!warned(&controller));
 }
 
 #[test]

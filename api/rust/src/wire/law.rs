@@ -123,7 +123,7 @@ pub enum Law {
         /// Follows the normal of a surface whose direction is not known: all tasks in the `frame` of this one move along and across the
         /// surface instead of along the stated axes. The task has one axis, x, y or z; default: the axes stay as they are stated.
         #[schema(example = json!({"max_tilt_rad": 0.6}))]
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
         surface: Option<SurfaceFollowing>,
     },
     /// Force control: M_d Ẍ + B_d Ẋ = F_d − F_e.

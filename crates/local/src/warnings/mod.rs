@@ -4,6 +4,7 @@ mod channels;
 mod contact;
 mod deadband;
 mod free_space;
+mod surface;
 mod tare;
 mod targets;
 mod weights;
@@ -24,11 +25,12 @@ pub use weights::warn as warn_about_weights;
 /// Reaches of arms that the default characteristic length of 1 m suits, m.
 const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 
-/// Returns the warnings about a controller, which must be checked before: unstable contacts, laws that are unstable in free space,
-/// steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
+/// Returns the warnings about a controller, which must be checked before: unstable contacts, tasks that do not follow
+/// a surface, laws that are unstable in free space, steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
 pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
     let mut warnings = contact::warnings(request)?;
     warnings.extend(deadband::warnings(request));
+    warnings.extend(surface::warnings(request));
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));
