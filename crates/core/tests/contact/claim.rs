@@ -1,4 +1,6 @@
-//! The claim of docs/contact.md: while the secant stiffness stays below 2 s K̂, the largest distance of the position of rest from
+//! The claims of docs/contact.md.
+//!
+//! While the secant stiffness stays below 2 s K̂, the largest distance of the position of rest from
 //! its target never grows, whatever K̂ does from period to period.
 
 use proptest::prelude::*;
@@ -80,6 +82,7 @@ fn distances(contact: &Contact) -> (f64, Vec<f64>) {
             force,
             limited_force: force,
             target: TARGET,
+            moved: [0.0, period],
             to_rest: state.distance_to_rest(drive, 0, period),
             last_velocity: last,
             acceleration: 1e12,
@@ -130,4 +133,40 @@ fn an_estimate_far_below_half_the_stiffness_diverges() {
     };
     let (bound, found) = distances(&contact);
     assert!(found.iter().any(|distance| *distance > 1.5 * bound), "{:?}", found.last());
+}
+
+/// A period of a contact that rests at a place, with F_d = 30 N.
+fn resting(settings: ContactSettings, timing: &ContactTiming, force: f64, moved: f64, axis: &mut ContactAxis) {
+    let law = ContactLaw::new(Profile::constant(vec![30.0]).unwrap(), vec![settings]).unwrap();
+    let input = AxisInput {
+        force,
+        limited_force: force,
+        target: 30.0,
+        moved: [moved, timing.period],
+        to_rest: 0.0,
+        last_velocity: 0.0,
+        acceleration: 5.0,
+    };
+    law.step(0, timing, input, axis);
+}
+
+proptest! {
+    /// Whatever the tool does on a spring, the tank has paid what the spring has.
+    #[test]
+    fn the_tank_pays_the_energy_of_a_spring(
+        ways in prop::collection::vec(-1e-3..1e-3_f64, 1..50),
+        stiffness in 1e3..1e6_f64,
+    ) {
+        let settings = ContactSettings { followed_speed: 0.0, ..ContactSettings::LINEAR };
+        let timing = ContactTiming::new(0.002, Drive::IDEAL, 0.002, 0.0);
+        let mut axis = ContactAxis::START;
+        let mut depth: f64 = 0.0;
+        for way in ways {
+            let way = way.max(-depth);
+            depth += way;
+            resting(settings, &timing, stiffness * depth, way, &mut axis);
+            let energy = 0.5 * stiffness * depth * depth;
+            prop_assert!((axis.spent - energy).abs() <= 1e-9 * stiffness * 1e-3, "{} {energy}", axis.spent);
+        }
+    }
 }

@@ -125,11 +125,11 @@ struct Sticking {
 }
 
 impl Controller for Sticking {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, tool: [f64; 2]) -> f64 {
         if self.last.is_none() && reading >= self.from {
             self.last = Some(reading);
         }
-        self.law.command(self.last.unwrap_or(reading), velocity)
+        self.law.command(self.last.unwrap_or(reading), tool)
     }
 }
 

@@ -54,6 +54,8 @@ pub struct Conditions {
     pub stiffness: f64,
     /// m, kg, and ω_v, rad/s; `None`: rigid.
     pub soft: Option<(f64, f64)>,
+    /// Largest force of a soft drive, N. There its reference gives way, so that it does not wind up.
+    pub most_force: f64,
     /// Approach speed, m/s.
     pub speed: f64,
     /// Part of a period by which the first contact is later.
@@ -85,6 +87,7 @@ impl Conditions {
             sensor_lag: 0.002,
             stiffness,
             soft: None,
+            most_force: f64::INFINITY,
             speed,
             phase: 0.3,
             noise: 0.2,
@@ -122,9 +125,9 @@ impl Conditions {
     }
 }
 
-/// What moves the axis: returns the command, m/s, for a reading, N, and the measured velocity, m/s.
+/// What moves the axis: returns the command, m/s, for a reading, N, and the measured position and velocity, m and m/s.
 pub trait Controller {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64;
+    fn command(&mut self, reading: f64, tool: [f64; 2]) -> f64;
 
     /// Returns whether the controller has given up.
     fn has_fault(&self) -> bool {
@@ -245,6 +248,9 @@ impl Plant<'_> {
                 let drive = mass
                     * (2.0 * bandwidth * (velocity - speed) + bandwidth * bandwidth * (self.reference[0] - tool))
                     + mass * (velocity - v) / dt;
+                let most = drive.clamp(-terms.most_force, terms.most_force);
+                self.reference[0] += (most - drive) / (mass * bandwidth * bandwidth);
+                let drive = most;
                 let speed = speed + dt * (drive - force) / mass;
                 self.tool = [tool + dt * speed, speed];
                 force
@@ -318,7 +324,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
     let periods = whole(end / terms.period);
     for _ in 0..periods {
         let reading = terms.sign * plant.reading + terms.bias + terms.noise * noise.normal();
-        let command = controller.command(reading, plant.tool[1]);
+        let command = controller.command(reading, plant.tool);
         plant.queue.push_back(command);
         let active = plant.queue.pop_front().unwrap_or(command);
         for _ in 0..n {

@@ -234,6 +234,7 @@ fn the_memory_stays_valid_with_long_periods() {
         force: 90.0,
         limited_force: 90.0,
         target: 30.0,
+        moved: [0.0, 1.0],
         to_rest: 0.0,
         last_velocity: 0.0,
         acceleration: 5.0,

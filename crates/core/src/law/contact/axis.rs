@@ -3,6 +3,7 @@
 use super::estimate::StiffnessEstimate;
 use super::motion::SurfaceMotion;
 use super::settings::ContactSettings;
+use super::step::AxisInput;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
@@ -185,10 +186,13 @@ impl ContactAxis {
         self.position = after;
     }
 
-    /// Takes the energy of a way (m) out of the tank, and fills it up for a time (s) with the power of a surface that the
-    /// law follows; `target`: F_d, N.
-    pub fn spend(&mut self, settings: &ContactSettings, target: f64, way: f64, time: f64) {
-        let refill = settings.followed_speed * target * time;
-        self.spent = (self.spent + self.force.max(0.0) * way - refill).max(0.0);
+    /// Takes the energy of what the tool has moved since the last period out of the tank, and fills it up with the power of a surface
+    /// that the law follows.
+    ///
+    /// With the mean of both forces, the energy of a spring is exact however it was moved: an impact on one gives back what it took.
+    pub(super) fn spend(&mut self, settings: &ContactSettings, input: &AxisInput) {
+        let AxisInput { force, target, moved: [way, time], .. } = *input;
+        let mean = 0.5 * (self.force + force);
+        self.spent = (self.spent + mean * way - settings.followed_speed * target * time).max(0.0);
     }
 }

@@ -61,6 +61,8 @@ pub struct AxisInput {
     pub limited_force: f64,
     /// F_d, target force, N, positive.
     pub target: f64,
+    /// How far the tool was measured to move since the last period, m, and in what time, s.
+    pub moved: [f64; 2],
     /// p − x, how far the tool moves on if all later commands are zero, m.
     pub to_rest: f64,
     /// u⁻, the velocity that the last command has achieved, m/s.
@@ -86,6 +88,7 @@ impl Step<'_> {
     /// Updates the axis; returns the velocity u that the law wants, m/s, and the report.
     pub fn run(mut self) -> (f64, ContactReport) {
         let (speed, before) = (self.approach_speed(), self.axis.phase);
+        self.axis.spend(self.settings, &self.input);
         self.axis.force = self.input.force;
         self.find_faults();
         self.change_phase(speed);
