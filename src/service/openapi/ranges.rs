@@ -235,6 +235,7 @@ fn memory_ranges() -> Vec<FieldRange> {
             hold_time_s: NotNegative,
             surface_motion: Items(3, 3),
             stiffness: Items(3, 3),
+            lack: NotNegative,
             means: Items(2, 2),
             sums: Items(4, 4),
             swing: Items(3, 3),

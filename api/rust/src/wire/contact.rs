@@ -171,6 +171,10 @@ pub struct ContactMemory {
     #[schema(example = 0.4)]
     pub contact_time_s: f64,
     /// Time for which the force is near its target, s, up to the time after which the contact is held.
+    /// Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact is lost.
+    #[schema(example = 0.0)]
+    #[serde(default)]
+    pub lack: f64,
     #[schema(example = 0.3)]
     pub hold_time_s: f64,
     /// Largest speed of the way back to a lost surface, m/s or rad/s.

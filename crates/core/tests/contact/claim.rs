@@ -10,6 +10,8 @@ use revprio_core::law::{
 use revprio_core::limits::{Drive, DriveState};
 use revprio_core::linalg::Vector;
 
+use crate::plant::Noise;
+
 /// F_d, N. Together with the noise it keeps the law in contact, and the estimator in its dead zone.
 const TARGET: f64 = 100.0;
 
@@ -148,6 +150,37 @@ fn resting(settings: ContactSettings, timing: &ContactTiming, force: f64, moved:
         acceleration: 5.0,
     };
     law.step(0, timing, input, axis);
+}
+
+/// How often noise loses a contact in this many periods, and how many periods the law needs at most to notice that the force has gone.
+fn losses(timing: &ContactTiming, force: f64, periods: usize) -> (usize, usize) {
+    let (settings, mut noise) = (ContactSettings::LINEAR, Noise::new(3));
+    let contact = ContactAxis { phase: ContactPhase::Contact, ..ContactAxis::START };
+    let (mut axis, mut lost, mut longest, mut since) = (contact, 0, 0, 0);
+    for _ in 0..periods {
+        since += 1;
+        resting(settings, timing, force + settings.noise * noise.normal(), 0.0, &mut axis);
+        if axis.phase == ContactPhase::Loss {
+            (axis, lost, longest, since) = (contact, lost + 1, longest.max(since), 0);
+        }
+    }
+    (lost, longest)
+}
+
+#[test]
+fn noise_loses_a_contact_as_rarely_as_claimed_and_a_loss_is_noticed() {
+    for (period, lag_s) in [(0.008, 0.0), (0.002, 0.002), (0.001, 0.002)] {
+        let timing = ContactTiming::new(period, Drive { lag_s, delay_periods: 0 }, 0.002, 0.0);
+        let patience = (timing.reaction / period).max(2.0);
+        for sigmas in [3.0, 3.5, 5.0] {
+            let (lost, _) = losses(&timing, 0.2 * sigmas, 100_000);
+            let share = (-5.0 * patience * (sigmas - 2.5)).exp();
+            assert!(lost as f64 <= 1e5 * share, "{period} {sigmas}: {lost} of {}", 1e5 * share);
+        }
+        let (lost, longest) = losses(&timing, 0.0, 100_000);
+        let mean = 1e5 / lost as f64;
+        assert!(mean < patience + 1.5 && longest as f64 <= 2.0 * patience + 4.0, "{period}: {mean}, {longest}");
+    }
 }
 
 proptest! {

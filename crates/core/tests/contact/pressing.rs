@@ -47,6 +47,18 @@ fn small_and_large_forces_are_pressed() {
     }
 }
 
+/// The force stays little above f_off for long: noise must not lose the contact, because the law learns only in contact.
+#[test]
+fn noise_does_not_lose_a_light_contact() {
+    for drive in [(0.0, 0, 0.001), (0.005, 1, 0.001), (0.02, 1, 0.001), (0.005, 1, 0.002)] {
+        for seed in 1..=8 {
+            let terms = Conditions { target: 5.0, ..Conditions::new(1e3, 0.01, drive) }.seeded(seed);
+            let found = press(&terms);
+            assert!(found.settled && found.settling < 0.5 + terms.travel(), "{drive:?} {seed}: {found:?}");
+        }
+    }
+}
+
 /// The command goes on into the wall, and the tool does not.
 #[test]
 fn an_impact_that_stops_a_drive_at_its_largest_force_does_not_empty_the_tank() {

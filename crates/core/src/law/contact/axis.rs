@@ -61,6 +61,8 @@ pub struct ContactAxis {
     pub surface: f64,
     /// Time in contact since the last touch, or of suspicion before it, s.
     pub contact_time: f64,
+    /// How much force has been missing for how long since the contact was sure, ∫ (f_off − F) dt, N·s.
+    pub lack: f64,
     /// Clock of a held contact, s: it counts while the force is near its target, and runs back while it is away.
     pub hold_time: f64,
     /// Largest speed of the way back to a lost surface, m/s.
@@ -92,6 +94,7 @@ impl ContactAxis {
         force: 0.0,
         surface: 0.0,
         contact_time: 0.0,
+        lack: 0.0,
         hold_time: 0.0,
         return_speed: 0.0,
         spent: 0.0,
@@ -151,6 +154,7 @@ impl ContactAxis {
         ];
         let positive = [
             contact_time,
+            self.lack,
             self.hold_time,
             return_speed,
             self.spent,

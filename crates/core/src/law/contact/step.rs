@@ -92,7 +92,7 @@ impl Step<'_> {
         self.axis.force = self.input.force;
         self.find_faults();
         self.change_phase(speed);
-        if self.axis.phase == ContactPhase::Contact {
+        if self.presses() {
             self.learn();
         }
         self.give_up_lost_surface();
@@ -152,13 +152,16 @@ impl Step<'_> {
     fn change_phase(&mut self, speed: f64) {
         let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
         let (threshold, position) = (settings.threshold(), axis.sensed_position);
+        let patience = self.timing.reaction.max(SUSPICIONS * self.timing.period);
         let mut touches = force > threshold;
         if axis.phase == ContactPhase::Approach {
             // A force that stays between suspicion and contact would hold the tool for ever: noise does not stay there.
             let suspected = axis.contact_time + self.timing.period;
             axis.contact_time = if force > settings.suspicion() { suspected } else { 0.0 };
-            touches |= axis.contact_time > self.timing.reaction.max(SUSPICIONS * self.timing.period);
+            touches |= axis.contact_time > patience;
         }
+        let lack = axis.lack + self.timing.period * (settings.release() - force);
+        axis.lack = if axis.phase == ContactPhase::Contact { lack.max(0.0) } else { 0.0 };
         match axis.phase {
             ContactPhase::Approach if touches => {
                 axis.phase = ContactPhase::Contact;
@@ -172,7 +175,7 @@ impl Step<'_> {
                 axis.phase = ContactPhase::Contact;
                 axis.estimate.restart_means(position, force);
             }
-            ContactPhase::Contact if force < settings.release() => {
+            ContactPhase::Contact if axis.lack > patience * settings.release() => {
                 let floor = (SLOWEST_RETURN * settings.metre).min(speed);
                 let is_long = axis.contact_time >= LONG_CONTACT;
                 axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
@@ -180,6 +183,11 @@ impl Step<'_> {
             }
             _ => {}
         }
+    }
+
+    /// Returns whether the tool is in contact, and the force does not say otherwise.
+    fn presses(&self) -> bool {
+        self.axis.phase == ContactPhase::Contact && self.input.force >= self.settings.release()
     }
 
     /// Learns stiffness, place of the surface and swings.
@@ -224,8 +232,8 @@ impl Step<'_> {
         match axis.phase {
             ContactPhase::Approach if force > settings.suspicion() => 0.0,
             ContactPhase::Approach => speed,
-            ContactPhase::Contact => self.pressing(force, speed),
-            ContactPhase::Loss => {
+            ContactPhase::Contact if self.presses() => self.pressing(force, speed),
+            ContactPhase::Contact | ContactPhase::Loss => {
                 let modelled = axis.estimate.best() * (axis.sensed_position - axis.surface);
                 self.pressing(force.min(modelled), axis.return_speed)
             }
