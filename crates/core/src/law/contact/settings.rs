@@ -82,6 +82,12 @@ impl ContactSettings {
         metre: 1.0 / LEVER,
     };
 
+    /// Largest noise of an axis of translation, N.
+    pub const MOST_NOISE: f64 = 10.0;
+
+    /// Largest bias of an axis of translation, N.
+    pub const MOST_BIAS: f64 = 100.0;
+
     /// Returns the defaults of an axis of rotation or of translation.
     pub const fn of(is_angular: bool) -> Self {
         if is_angular { Self::ANGULAR } else { Self::LINEAR }
