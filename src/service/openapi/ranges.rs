@@ -470,6 +470,8 @@ fn apply(schema: &mut Value, range: &Range) {
 
 /// Bounds a number, the items of a list, or both for a value per axis.
 fn set_bounds(schema: &mut Value, bounds: &[(&str, Value)]) {
+    // A field that may be absent is null or one of the others.
+    variants(schema).for_each(|option| set_bounds(option, bounds));
     let is_per_axis = schema["$ref"].as_str().is_some_and(|link| link.contains(PER_AXIS));
     if is_per_axis || has_type(schema, "number") || has_type(schema, "integer") {
         for (key, bound) in bounds {
