@@ -15,6 +15,9 @@ const OVERSHOOT: f64 = 0.1;
 /// Share of a that the emergency stop plans with.
 const STOP_SHARE: f64 = 0.8;
 
+/// Periods without any force after which the next touch is slower.
+const BRIEF: f64 = 0.5;
+
 /// Periods of suspicion that are a contact, if the reaction time is shorter.
 const SUSPICIONS: f64 = 2.0;
 
@@ -160,8 +163,16 @@ impl Step<'_> {
             axis.contact_time = if force > settings.suspicion() { suspected } else { 0.0 };
             touches |= axis.contact_time > patience;
         }
-        let lack = axis.lack + self.timing.period * (settings.release() - force);
+        let (before, brief) = (axis.lack, BRIEF * self.timing.period * settings.release());
+        let lack = before + self.timing.period * (settings.release() - force);
         axis.lack = if axis.phase == ContactPhase::Contact { lack.max(0.0) } else { 0.0 };
+        if before <= brief && axis.lack > brief {
+            // A bounce: the next touch is slower.
+            let floor = (SLOWEST_RETURN * settings.metre).min(speed);
+            let is_long = axis.contact_time >= LONG_CONTACT;
+            axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
+            axis.contact_time = 0.0;
+        }
         match axis.phase {
             ContactPhase::Approach if touches => {
                 axis.phase = ContactPhase::Contact;
@@ -175,12 +186,7 @@ impl Step<'_> {
                 axis.phase = ContactPhase::Contact;
                 axis.estimate.restart_means(position, force);
             }
-            ContactPhase::Contact if axis.lack > patience * settings.release() => {
-                let floor = (SLOWEST_RETURN * settings.metre).min(speed);
-                let is_long = axis.contact_time >= LONG_CONTACT;
-                axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
-                (axis.phase, axis.contact_time) = (ContactPhase::Loss, 0.0);
-            }
+            ContactPhase::Contact if axis.lack > patience * settings.release() => axis.phase = ContactPhase::Loss,
             _ => {}
         }
     }
