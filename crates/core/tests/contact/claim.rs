@@ -172,9 +172,9 @@ fn noise_loses_a_contact_as_rarely_as_claimed_and_a_loss_is_noticed() {
     for (period, lag_s) in [(0.008, 0.0), (0.002, 0.002), (0.001, 0.002)] {
         let timing = ContactTiming::new(period, Drive { lag_s, delay_periods: 0 }, 0.002, 0.0);
         let patience = (timing.reaction / period).max(2.0);
-        for sigmas in [3.0, 3.5, 5.0] {
+        for sigmas in [3.75, 4.25, 5.0] {
             let (lost, _) = losses(&timing, 0.2 * sigmas, 100_000);
-            let share = (-5.0 * patience * (sigmas - 2.5)).exp();
+            let share = (-6.5 * patience * (sigmas - 3.25)).exp();
             assert!(lost as f64 <= 1e5 * share, "{period} {sigmas}: {lost} of {}", 1e5 * share);
         }
         let (lost, longest) = losses(&timing, 0.0, 100_000);

@@ -33,6 +33,8 @@ pub enum Event {
     Leave(f64, f64),
     /// At a time, s, the wall moves away at a speed, m/s, for another time, s, and then returns at the same speed.
     LeaveAndReturn(f64, f64, f64),
+    /// At a time, s, the wall is a distance, m, farther, and has another stiffness, N/m.
+    Hole(f64, f64, f64),
     /// From a time, s, on for another time, s, the wall leaves, pushes, moves and changes its stiffness at random.
     Random(f64, f64),
 }
@@ -117,7 +119,7 @@ impl Conditions {
         let (event, lasts) = match self.event {
             Event::None | Event::Layer(..) => (0.0, 0.0),
             Event::Slope(t, _) | Event::Push(t, _) => (t, 0.0),
-            Event::Leave(t, way) => (t, way / self.speed + 2.0 * self.travel()),
+            Event::Leave(t, way) | Event::Hole(t, way, _) => (t, way / self.speed + 2.0 * self.travel()),
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
             Event::Random(t, time) => (t, time),
         };
@@ -183,7 +185,7 @@ impl Plant<'_> {
         match self.terms.event {
             Event::None | Event::Layer(..) | Event::Slope(..) | Event::Random(..) => 0.0,
             Event::Push(t, way) => -way * (since(t) / 0.01).min(1.0),
-            Event::Leave(t, way) => {
+            Event::Leave(t, way) | Event::Hole(t, way, _) => {
                 if self.time > t {
                     way
                 } else {
@@ -207,7 +209,10 @@ impl Plant<'_> {
         if depth <= 0.0 {
             return 0.0;
         }
-        let k = terms.stiffness;
+        let k = match terms.event {
+            Event::Hole(t, _, stiffness) if self.time > t => stiffness,
+            _ => terms.stiffness,
+        };
         let spring = match terms.event {
             Event::Layer(force, factor) if k * depth > force => force + factor * (k * depth - force),
             Event::Slope(t, factor) if self.time > t => {
@@ -273,6 +278,7 @@ fn whole(ratio: f64) -> usize {
 fn substeps(terms: &Conditions) -> usize {
     let stiffness = match terms.event {
         Event::Layer(_, factor) | Event::Slope(_, factor) => terms.stiffness * factor.max(1.0),
+        Event::Hole(_, _, stiffness) => terms.stiffness.max(stiffness),
         Event::Random(..) => STIFFNESS[1],
         _ => terms.stiffness,
     };
@@ -311,6 +317,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         Event::Slope(t, _)
         | Event::Push(t, _)
         | Event::Leave(t, _)
+        | Event::Hole(t, ..)
         | Event::LeaveAndReturn(t, ..)
         | Event::Random(t, _) => t,
     };
