@@ -6,11 +6,13 @@ use revprio_api::wire;
 use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
+use revprio_core::law::ContactSettings;
 use revprio_core::limits::MAX_DRIVE_DELAY;
 use revprio_core::payload::MIN_POSTURES;
 use revprio_core::streaming::{
     MAX_ACTIONS, MAX_FORESIGHT, MAX_KEPT_ACTIONS, MAX_STREAMING_TIME, MAX_TARGETS_AHEAD, MIN_INTERVAL,
 };
+use revprio_core::surface::SurfaceSettings;
 use revprio_core::wrench::MIN_TARE_READINGS;
 use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
 use revprio_robot::collision::MAX_CAPSULES;
@@ -29,6 +31,8 @@ use crate::service::step::MAX_ITEMS;
 enum Range {
     /// Numbers above zero.
     Positive,
+    /// Numbers above zero, up to the bound.
+    PositiveUpTo(f64),
     /// Numbers from zero.
     NotNegative,
     /// Numbers from the first to the second bound.
@@ -45,7 +49,7 @@ enum Range {
     Pattern(String),
 }
 
-use Range::{Between, Items, NotNegative, Pattern, Positive, Rows, UniqueItems, UpTo};
+use Range::{Between, Items, NotNegative, Pattern, Positive, PositiveUpTo, Rows, UniqueItems, UpTo};
 
 /// The range of one field of a schema.
 struct FieldRange {
@@ -209,14 +213,14 @@ fn law_ranges() -> Vec<FieldRange> {
         wire::Law as wire::Law::Contact {
             approach_speed: Positive,
             stiffest: Positive,
-            noise: Positive,
-            bias: NotNegative,
+            noise: PositiveUpTo(ContactSettings::MOST_NOISE),
+            bias: Between(0.0, ContactSettings::MOST_BIAS),
             sensor_lag_s: NotNegative,
             max_force: Positive,
             retreat_speed: Positive,
             max_acceleration: Positive,
         }
-        wire::SurfaceFollowing { max_tilt_rad: Positive }
+        wire::SurfaceFollowing { max_tilt_rad: PositiveUpTo(SurfaceSettings::MOST_TILT) }
         wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }
         wire::Law as wire::Law::LookAt { gain: NotNegative, max_acceleration: Positive }
         wire::Law as wire::Law::Posture { gain: NotNegative, max_acceleration: Positive, joints: UniqueItems(1, MAX_JOINTS) }
@@ -231,6 +235,7 @@ fn memory_ranges() -> Vec<FieldRange> {
         wire::ContactMemory {
             contact_time_s: NotNegative,
             return_speed: NotNegative,
+            lack: NotNegative,
             spent_j: NotNegative,
             hold_time_s: NotNegative,
             surface_motion: Items(3, 3),
@@ -446,6 +451,7 @@ fn has_type(schema: &Value, name: &str) -> bool {
 fn apply(schema: &mut Value, range: &Range) {
     match range {
         Positive => set_bounds(schema, &[("exclusiveMinimum", json!(0))]),
+        PositiveUpTo(max) => set_bounds(schema, &[("exclusiveMinimum", json!(0)), ("maximum", json!(max))]),
         NotNegative => set_bounds(schema, &[("minimum", json!(0))]),
         Between(min, max) => set_bounds(schema, &[("minimum", json!(min)), ("maximum", json!(max))]),
         UpTo(max) => set_bounds(schema, &[("minimum", json!(0)), ("maximum", json!(max))]),
@@ -464,6 +470,8 @@ fn apply(schema: &mut Value, range: &Range) {
 
 /// Bounds a number, the items of a list, or both for a value per axis.
 fn set_bounds(schema: &mut Value, bounds: &[(&str, Value)]) {
+    // A field that may be absent is null or one of the others.
+    variants(schema).for_each(|option| set_bounds(option, bounds));
     let is_per_axis = schema["$ref"].as_str().is_some_and(|link| link.contains(PER_AXIS));
     if is_per_axis || has_type(schema, "number") || has_type(schema, "integer") {
         for (key, bound) in bounds {

@@ -179,7 +179,8 @@ def press(rig: Rig, event: Event | None = None, extra_s: float = 0.0) -> Trace:
         if touched_s is None and forces.any():
             touched_s = trace.touched_s = now_s
             end_s = now_s + HOLD_S + 1.5 * rig.conditions.travel_s + extra_s
-            trace.unavoidable = reversal(rig, approach)
+            # Nothing has shown the touch before this period ends.
+            trace.unavoidable = max(float(forces.max()), reversal(rig, approach))
         now_s += period_s
     report = answer.tasks[0].contact[0]
     if touched_s is None:

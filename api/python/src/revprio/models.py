@@ -1920,6 +1920,8 @@ class ContactMemory(Body):
     - swing: Factor of the upper bound, and the largest difference from the target force since the force last
       crossed it and before. Shape: 3.
     - fault: Why the contact is given up; only in the state `fault`.
+    - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
+      the contact is lost.
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
       period.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
@@ -1963,6 +1965,9 @@ class ContactMemory(Body):
     before. Shape: 3."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    lack: float | None = None
+    """Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact
+    is lost."""
     normal: NormalMemory | None = None
     """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
     unchanged: Vector | None = None
@@ -2118,13 +2123,13 @@ class SurfaceFollowing(Body):
 
     Fields:
 
-    - max_tilt_rad: Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay
-      there, and the answer says so.
+    - max_tilt_rad: Largest angle between the normal and the stated axis, rad, up to 1.4; default π/4. Beyond it the
+      axes stay there, and the answer says so.
     """
 
     max_tilt_rad: float | None = None
-    """Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay there, and the
-    answer says so."""
+    """Largest angle between the normal and the stated axis, rad, up to 1.4; default π/4. Beyond it the axes stay there,
+    and the answer says so."""
 
 
 class ContactLaw(Tagged):
@@ -2141,12 +2146,12 @@ class ContactLaw(Tagged):
       rad/s. A faster approach costs the peak force that the answer names; default: the largest that keeps the peak
       below 1.2 times the target force in the stiffest contact.
     - bias: Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to
-      this error are no contact; default 0.
+      this error are no contact; at most 100 N and 10 N·m; default 0.
     - max_acceleration: Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5
       m/s² and 50 rad/s².
     - max_force: Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other
       tasks, and after the limits of the joints; default: none.
-    - noise: Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m.
+    - noise: Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m.
     - retreat_speed: Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
     - sensor_lag_s: Time constant of the filter of the force sensor, s; default 0.002.
     - stiffest: Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface
@@ -2167,7 +2172,7 @@ class ContactLaw(Tagged):
     target force in the stiffest contact."""
     bias: ArrayLike | None = None
     """Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to this error
-    are no contact; default 0."""
+    are no contact; at most 100 N and 10 N·m; default 0."""
     max_acceleration: ArrayLike | None = None
     """Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5 m/s² and 50
     rad/s²."""
@@ -2175,7 +2180,7 @@ class ContactLaw(Tagged):
     """Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and
     after the limits of the joints; default: none."""
     noise: ArrayLike | None = None
-    """Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m."""
+    """Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m."""
     retreat_speed: ArrayLike | None = None
     """Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s."""
     sensor_lag_s: float | None = None

@@ -36,7 +36,8 @@ pub enum ContactFault {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFollowing {
-    /// Largest angle between the normal and the stated axis, rad; default π/4. Beyond it the axes stay there, and the answer says so.
+    /// Largest angle between the normal and the stated axis, rad, up to 1.4; default π/4. Beyond it the axes stay there, and the answer
+    /// says so.
     #[schema(example = 0.6)]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_tilt_rad: Option<f64>,
@@ -170,6 +171,10 @@ pub struct ContactMemory {
     /// Time in contact since the last touch, or of suspicion before it, s.
     #[schema(example = 0.4)]
     pub contact_time_s: f64,
+    /// Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact is lost.
+    #[schema(example = 0.0)]
+    #[serde(default)]
+    pub lack: f64,
     /// Time for which the force is near its target, s, up to the time after which the contact is held.
     #[schema(example = 0.3)]
     pub hold_time_s: f64,

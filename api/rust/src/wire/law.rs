@@ -100,11 +100,11 @@ pub enum Law {
         /// approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
         #[serde(skip_serializing_if = "Option::is_none")]
         stiffest: Option<PerAxis<f64>>,
-        /// Noise of the measured force, rms, N and N·m; default 0.2 N and 0.02 N·m.
+        /// Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m.
         #[serde(skip_serializing_if = "Option::is_none")]
         noise: Option<PerAxis<f64>>,
         /// Largest error of the measured force that stays, such as a bias after taring, N and N·m. Forces up to this error are no
-        /// contact; default 0.
+        /// contact; at most 100 N and 10 N·m; default 0.
         #[serde(skip_serializing_if = "Option::is_none")]
         bias: Option<PerAxis<f64>>,
         /// Time constant of the filter of the force sensor, s; default 0.002.

@@ -91,7 +91,7 @@ impl Virtual {
 }
 
 impl Controller for Virtual {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, [_, velocity]: [f64; 2]) -> f64 {
         self.has_touched |= reading > 5.0 * self.terms.noise;
         if self.has_touched {
             let step = self.terms.acceleration * self.terms.period;

@@ -59,7 +59,7 @@ impl Program {
 }
 
 impl Controller for Program {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, [_, velocity]: [f64; 2]) -> f64 {
         if self.failure.is_none() {
             match self.ask(reading, velocity) {
                 Ok(command) => self.last = command.clamp(self.last - self.step, self.last + self.step),

@@ -47,6 +47,8 @@ pub(crate) struct ArmState {
     pub time_to_rest: f64,
     /// p − q, n, rad or m.
     pub distance_to_rest: Vec<f64>,
+    /// How far the joints were measured to move since the last state, n, rad or m; zero at the first one.
+    pub moved: Vec<f64>,
     /// How far the modelled joints moved while states were missing, n, rad or m, and for how long, s; zero if none was.
     pub missed_way: Vec<f64>,
     /// See [`Self::missed_way`].
@@ -113,6 +115,7 @@ impl ArmState {
             initial_pose: *measured.tool_pose(),
             time_to_rest,
             distance_to_rest: zeros.clone(),
+            moved: zeros.clone(),
             missed_way: zeros.clone(),
             missed_time: 0.0,
             last_command: zeros.clone(),
@@ -131,6 +134,14 @@ impl ArmState {
         self.joint_velocity.copy_from_slice(joint_velocity);
         self.twist = self.measured.twist(joint_velocity);
         Ok(())
+    }
+
+    /// Updates how far the joints have moved from the posture of the last state (q, n) to the measured one.
+    pub fn move_from(&mut self, last: Option<&[f64]>) {
+        let position = self.measured.joint_position();
+        for (joint, moved) in self.moved.iter_mut().enumerate() {
+            *moved = last.map_or(0.0, |last| position[joint] - last[joint]);
+        }
     }
 
     /// Updates the measured posture (q, n) of an arm that does not move.

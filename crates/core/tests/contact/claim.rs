@@ -1,4 +1,6 @@
-//! The claim of docs/contact.md: while the secant stiffness stays below 2 s K̂, the largest distance of the position of rest from
+//! The claims of docs/contact.md.
+//!
+//! While the secant stiffness stays below 2 s K̂, the largest distance of the position of rest from
 //! its target never grows, whatever K̂ does from period to period.
 
 use proptest::prelude::*;
@@ -7,6 +9,8 @@ use revprio_core::law::{
 };
 use revprio_core::limits::{Drive, DriveState};
 use revprio_core::linalg::Vector;
+
+use crate::plant::Noise;
 
 /// F_d, N. Together with the noise it keeps the law in contact, and the estimator in its dead zone.
 const TARGET: f64 = 100.0;
@@ -80,6 +84,7 @@ fn distances(contact: &Contact) -> (f64, Vec<f64>) {
             force,
             limited_force: force,
             target: TARGET,
+            moved: [0.0, period],
             to_rest: state.distance_to_rest(drive, 0, period),
             last_velocity: last,
             acceleration: 1e12,
@@ -130,4 +135,71 @@ fn an_estimate_far_below_half_the_stiffness_diverges() {
     };
     let (bound, found) = distances(&contact);
     assert!(found.iter().any(|distance| *distance > 1.5 * bound), "{:?}", found.last());
+}
+
+/// A period of a contact that rests at a place, with F_d = 30 N.
+fn resting(settings: ContactSettings, timing: &ContactTiming, force: f64, moved: f64, axis: &mut ContactAxis) {
+    let law = ContactLaw::new(Profile::constant(vec![30.0]).unwrap(), vec![settings]).unwrap();
+    let input = AxisInput {
+        force,
+        limited_force: force,
+        target: 30.0,
+        moved: [moved, timing.period],
+        to_rest: 0.0,
+        last_velocity: 0.0,
+        acceleration: 5.0,
+    };
+    law.step(0, timing, input, axis);
+}
+
+/// How often noise loses a contact in this many periods, and how many periods the law needs at most to notice that the force has gone.
+fn losses(timing: &ContactTiming, force: f64, periods: usize) -> (usize, usize) {
+    let (settings, mut noise) = (ContactSettings::LINEAR, Noise::new(3));
+    let contact = ContactAxis { phase: ContactPhase::Contact, ..ContactAxis::START };
+    let (mut axis, mut lost, mut longest, mut since) = (contact, 0, 0, 0);
+    for _ in 0..periods {
+        since += 1;
+        resting(settings, timing, force + settings.noise * noise.normal(), 0.0, &mut axis);
+        if axis.phase == ContactPhase::Loss {
+            (axis, lost, longest, since) = (contact, lost + 1, longest.max(since), 0);
+        }
+    }
+    (lost, longest)
+}
+
+#[test]
+fn noise_loses_a_contact_as_rarely_as_claimed_and_a_loss_is_noticed() {
+    for (period, lag_s) in [(0.008, 0.0), (0.002, 0.002), (0.001, 0.002)] {
+        let timing = ContactTiming::new(period, Drive { lag_s, delay_periods: 0 }, 0.002, 0.0);
+        let patience = (timing.reaction / period).max(2.0);
+        for sigmas in [3.75, 4.25, 5.0] {
+            let (lost, _) = losses(&timing, 0.2 * sigmas, 100_000);
+            let share = (-6.5 * patience * (sigmas - 3.25)).exp();
+            assert!(lost as f64 <= 1e5 * share, "{period} {sigmas}: {lost} of {}", 1e5 * share);
+        }
+        let (lost, longest) = losses(&timing, 0.0, 100_000);
+        let mean = 1e5 / lost as f64;
+        assert!(mean < patience + 1.5 && longest as f64 <= 2.0 * patience + 4.0, "{period}: {mean}, {longest}");
+    }
+}
+
+proptest! {
+    /// Whatever the tool does on a spring, the tank has paid what the spring has.
+    #[test]
+    fn the_tank_pays_the_energy_of_a_spring(
+        ways in prop::collection::vec(-1e-3..1e-3_f64, 1..50),
+        stiffness in 1e3..1e6_f64,
+    ) {
+        let settings = ContactSettings { followed_speed: 0.0, ..ContactSettings::LINEAR };
+        let timing = ContactTiming::new(0.002, Drive::IDEAL, 0.002, 0.0);
+        let mut axis = ContactAxis::START;
+        let mut depth: f64 = 0.0;
+        for way in ways {
+            let way = way.max(-depth);
+            depth += way;
+            resting(settings, &timing, stiffness * depth, way, &mut axis);
+            let energy = 0.5 * stiffness * depth * depth;
+            prop_assert!((axis.spent - energy).abs() <= 1e-9 * stiffness * 1e-3, "{} {energy}", axis.spent);
+        }
+    }
 }

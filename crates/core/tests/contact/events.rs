@@ -42,6 +42,18 @@ fn a_wall_that_pushes_is_pressed_again_within_0_6_seconds() {
     }
 }
 
+/// Something rubs with half of what is a contact. A law that takes noise on top of it for a surface that moves away follows it, and hits the
+/// bottom with 600 N; without the rest, a hit of 100 N cannot be avoided.
+#[test]
+fn a_hole_is_noticed_although_some_force_stays() {
+    for seed in 1..=12 {
+        let terms = Conditions::new(5e3, 0.02, (0.01, 1, 0.002)).seeded(seed);
+        let event = Event::Hole(1.0 + 0.001 * seed as f64, 0.02, 5e5);
+        let found = press(&Conditions { bias: 0.48, event, ..terms });
+        assert!(found.settled && found.losses == 1 && found.peak < 120.0, "{seed}: {found:?}");
+    }
+}
+
 /// A wall at K v up to 300 N/s: what the law loses before it knows the velocity is less than the force.
 #[test]
 fn a_wall_that_leaves_and_returns_is_held_to_a_tenth() {
@@ -125,11 +137,11 @@ struct Sticking {
 }
 
 impl Controller for Sticking {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, tool: [f64; 2]) -> f64 {
         if self.last.is_none() && reading >= self.from {
             self.last = Some(reading);
         }
-        self.law.command(self.last.unwrap_or(reading), velocity)
+        self.law.command(self.last.unwrap_or(reading), tool)
     }
 }
 

@@ -18,6 +18,8 @@ pub struct Pressing {
     acceleration: f64,
     target: f64,
     last: f64,
+    /// Where the tool was measured last, m.
+    place: Option<f64>,
     pub report: Option<ContactReport>,
 }
 
@@ -47,6 +49,7 @@ impl Pressing {
             acceleration: terms.acceleration,
             target: terms.target,
             last: speed,
+            place: None,
             report: None,
         }
     }
@@ -57,12 +60,13 @@ impl Pressing {
 }
 
 impl Controller for Pressing {
-    fn command(&mut self, reading: f64, _velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, [place, _]: [f64; 2]) -> f64 {
         let period = self.timing.period;
         let input = AxisInput {
             force: reading,
             limited_force: reading,
             target: self.target,
+            moved: [place - self.place.replace(place).unwrap_or(place), period],
             to_rest: self.state.distance_to_rest(self.drive, 0, period),
             last_velocity: self.last,
             acceleration: self.acceleration,
@@ -70,7 +74,6 @@ impl Controller for Pressing {
         let (velocity, report) = self.law.step(0, &self.timing, input, &mut self.axis);
         let command = Vector::from_element(1, velocity);
         let way = self.state.way(self.drive, 0, &command, period);
-        self.axis.spend(&self.law.axes()[0], self.target, way, period);
         self.axis.advance(&self.timing, way, period);
         self.state.advance(self.drive, &command, period);
         (self.last, self.report) = (velocity, Some(report));
@@ -91,7 +94,7 @@ struct Reversal {
 }
 
 impl Controller for Reversal {
-    fn command(&mut self, reading: f64, _velocity: f64) -> f64 {
+    fn command(&mut self, reading: f64, _: [f64; 2]) -> f64 {
         self.touched |= reading > self.least;
         if self.touched {
             self.command -= self.step;

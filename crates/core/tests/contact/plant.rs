@@ -33,6 +33,8 @@ pub enum Event {
     Leave(f64, f64),
     /// At a time, s, the wall moves away at a speed, m/s, for another time, s, and then returns at the same speed.
     LeaveAndReturn(f64, f64, f64),
+    /// At a time, s, the wall is a distance, m, farther, and has another stiffness, N/m.
+    Hole(f64, f64, f64),
     /// From a time, s, on for another time, s, the wall leaves, pushes, moves and changes its stiffness at random.
     Random(f64, f64),
 }
@@ -54,6 +56,8 @@ pub struct Conditions {
     pub stiffness: f64,
     /// m, kg, and ω_v, rad/s; `None`: rigid.
     pub soft: Option<(f64, f64)>,
+    /// Largest force of a soft drive, N. There its reference gives way, so that it does not wind up.
+    pub most_force: f64,
     /// Approach speed, m/s.
     pub speed: f64,
     /// Part of a period by which the first contact is later.
@@ -85,6 +89,7 @@ impl Conditions {
             sensor_lag: 0.002,
             stiffness,
             soft: None,
+            most_force: f64::INFINITY,
             speed,
             phase: 0.3,
             noise: 0.2,
@@ -114,7 +119,7 @@ impl Conditions {
         let (event, lasts) = match self.event {
             Event::None | Event::Layer(..) => (0.0, 0.0),
             Event::Slope(t, _) | Event::Push(t, _) => (t, 0.0),
-            Event::Leave(t, way) => (t, way / self.speed + 2.0 * self.travel()),
+            Event::Leave(t, way) | Event::Hole(t, way, _) => (t, way / self.speed + 2.0 * self.travel()),
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
             Event::Random(t, time) => (t, time),
         };
@@ -122,9 +127,9 @@ impl Conditions {
     }
 }
 
-/// What moves the axis: returns the command, m/s, for a reading, N, and the measured velocity, m/s.
+/// What moves the axis: returns the command, m/s, for a reading, N, and the measured position and velocity, m and m/s.
 pub trait Controller {
-    fn command(&mut self, reading: f64, velocity: f64) -> f64;
+    fn command(&mut self, reading: f64, tool: [f64; 2]) -> f64;
 
     /// Returns whether the controller has given up.
     fn has_fault(&self) -> bool {
@@ -180,7 +185,7 @@ impl Plant<'_> {
         match self.terms.event {
             Event::None | Event::Layer(..) | Event::Slope(..) | Event::Random(..) => 0.0,
             Event::Push(t, way) => -way * (since(t) / 0.01).min(1.0),
-            Event::Leave(t, way) => {
+            Event::Leave(t, way) | Event::Hole(t, way, _) => {
                 if self.time > t {
                     way
                 } else {
@@ -204,7 +209,10 @@ impl Plant<'_> {
         if depth <= 0.0 {
             return 0.0;
         }
-        let k = terms.stiffness;
+        let k = match terms.event {
+            Event::Hole(t, _, stiffness) if self.time > t => stiffness,
+            _ => terms.stiffness,
+        };
         let spring = match terms.event {
             Event::Layer(force, factor) if k * depth > force => force + factor * (k * depth - force),
             Event::Slope(t, factor) if self.time > t => {
@@ -245,6 +253,9 @@ impl Plant<'_> {
                 let drive = mass
                     * (2.0 * bandwidth * (velocity - speed) + bandwidth * bandwidth * (self.reference[0] - tool))
                     + mass * (velocity - v) / dt;
+                let most = drive.clamp(-terms.most_force, terms.most_force);
+                self.reference[0] += (most - drive) / (mass * bandwidth * bandwidth);
+                let drive = most;
                 let speed = speed + dt * (drive - force) / mass;
                 self.tool = [tool + dt * speed, speed];
                 force
@@ -267,6 +278,7 @@ fn whole(ratio: f64) -> usize {
 fn substeps(terms: &Conditions) -> usize {
     let stiffness = match terms.event {
         Event::Layer(_, factor) | Event::Slope(_, factor) => terms.stiffness * factor.max(1.0),
+        Event::Hole(_, _, stiffness) => terms.stiffness.max(stiffness),
         Event::Random(..) => STIFFNESS[1],
         _ => terms.stiffness,
     };
@@ -305,6 +317,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         Event::Slope(t, _)
         | Event::Push(t, _)
         | Event::Leave(t, _)
+        | Event::Hole(t, ..)
         | Event::LeaveAndReturn(t, ..)
         | Event::Random(t, _) => t,
     };
@@ -318,7 +331,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
     let periods = whole(end / terms.period);
     for _ in 0..periods {
         let reading = terms.sign * plant.reading + terms.bias + terms.noise * noise.normal();
-        let command = controller.command(reading, plant.tool[1]);
+        let command = controller.command(reading, plant.tool);
         plant.queue.push_back(command);
         let active = plant.queue.pop_front().unwrap_or(command);
         for _ in 0..n {

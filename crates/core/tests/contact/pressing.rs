@@ -47,6 +47,31 @@ fn small_and_large_forces_are_pressed() {
     }
 }
 
+/// The force stays little above f_off for long: noise must not lose the contact, because the law learns only in contact.
+#[test]
+fn noise_does_not_lose_a_light_contact() {
+    for drive in [(0.0, 0, 0.001), (0.005, 1, 0.001), (0.02, 1, 0.001), (0.005, 1, 0.002)] {
+        for seed in 1..=8 {
+            let terms = Conditions { target: 5.0, ..Conditions::new(1e3, 0.01, drive) }.seeded(seed);
+            let found = press(&terms);
+            assert!(found.settled && found.settling < 0.5 + terms.travel(), "{drive:?} {seed}: {found:?}");
+        }
+    }
+}
+
+/// The command goes on into the wall, and the tool does not.
+#[test]
+fn an_impact_that_stops_a_drive_at_its_largest_force_does_not_empty_the_tank() {
+    for drive in [(0.02, 2, 0.002), (0.02, 2, 0.008)] {
+        for seed in 1..=3 {
+            let yielding =
+                Conditions { soft: Some((5.1, 400.0)), most_force: 200.0, ..Conditions::new(1e6, 0.1, drive) };
+            let found = press(&Conditions { target: 5.0, ..yielding }.seeded(seed));
+            assert!(found.settled && found.settling < 0.5, "{drive:?} {seed}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn the_default_approach_speed_keeps_the_peak_below_1_2_times_the_target() {
     for (lag, delay, period) in [(0.0, 0, 0.001), (0.005, 0, 0.001), (0.01, 1, 0.002)] {
@@ -55,7 +80,7 @@ fn the_default_approach_speed_keeps_the_peak_below_1_2_times_the_target() {
             let drive = Drive { lag_s: lag, delay_periods: delay };
             let mut terms = Conditions::new(stiffness, 0.01, (lag, delay, period));
             let mut law = Pressing::told(&terms, drive, told);
-            law.command(0.0, 0.0);
+            law.command(0.0, [0.0; 2]);
             terms.speed = law.report.unwrap().approach_speed;
             let told = ContactSettings { approach_speed: Some(terms.speed), ..told };
             for seed in 1..4 {
@@ -107,7 +132,7 @@ fn noise_alone_does_not_slow_the_approach() {
     let (mut way, mut contacts) = (0.0, 0);
     for _ in 0..200_000 {
         let before = law.axis().phase;
-        way += 0.001 * law.command(0.2 * noise.normal(), 0.0);
+        way += 0.001 * law.command(0.2 * noise.normal(), [way, 0.0]);
         contacts += usize::from(before == ContactPhase::Approach && law.axis().phase == ContactPhase::Contact);
     }
     assert!(way > 0.995 * 0.03 * 200.0 && contacts <= 1, "{way} m, {contacts} contacts");

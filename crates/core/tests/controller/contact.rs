@@ -223,6 +223,28 @@ fn one_sample_of_noise_is_no_pull() {
     }
 }
 
+/// The arm is measured to stand for a while, whatever its commands say, and then it has moved.
+#[test]
+fn the_tank_pays_for_the_measured_motion() {
+    let robot = sawyer();
+    let height = |position: &[f64]| Configuration::new(&robot, position).unwrap().tool_pose().translation.vector.z;
+    let mut stepper = Stepper::new(press_down(&robot, ContactSettings::default())).unwrap();
+    let mut memory = None;
+    for period in 0..10 {
+        let mut measured = LaggingArm::at_rest(&NOMINAL, DRIVE, 0.0, 1).measure(f64::from(period) * PERIOD);
+        measured.wrench[2] = -100.0;
+        if period == 9 {
+            measured.joint_position[1] -= 1e-3;
+        }
+        stepper.step(&mut memory, &measured).unwrap();
+        let way = height(&NOMINAL) - height(&measured.joint_position);
+        let expected = (100.0 * way - 30.0 * 0.05 * PERIOD).max(0.0);
+        let spent = memory.as_ref().unwrap().contacts[0].spent;
+        assert!((spent - expected).abs() <= 0.01 * expected, "{period}: {spent} {expected}");
+        assert!(period < 9 || way > 1e-4, "{way}");
+    }
+}
+
 /// The clock of a held contact never runs below zero, however long a period is.
 #[test]
 fn the_memory_stays_valid_with_long_periods() {
@@ -234,6 +256,7 @@ fn the_memory_stays_valid_with_long_periods() {
         force: 90.0,
         limited_force: 90.0,
         target: 30.0,
+        moved: [0.0, 1.0],
         to_rest: 0.0,
         last_velocity: 0.0,
         acceleration: 5.0,

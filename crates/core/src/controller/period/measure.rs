@@ -65,6 +65,8 @@ pub(super) fn measure<'a, 'm>(
         (None, Some(last_command)) => arm.move_to(&measurement.joint_position, last_command)?,
         (None, None) => arm.stand_at(&measurement.joint_position)?,
     }
+    let answered = known.as_ref().and_then(|known| known.answered.as_ref());
+    arm.move_from(answered.map(|answered| answered.joint_position.as_slice()));
     if let Some(Missed { way, time }) = missed {
         arm.missed_way.copy_from_slice(way.as_slice());
         arm.missed_time = time;

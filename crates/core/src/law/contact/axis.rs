@@ -3,6 +3,7 @@
 use super::estimate::StiffnessEstimate;
 use super::motion::SurfaceMotion;
 use super::settings::ContactSettings;
+use super::step::AxisInput;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
@@ -60,6 +61,8 @@ pub struct ContactAxis {
     pub surface: f64,
     /// Time in contact since the last touch, or of suspicion before it, s.
     pub contact_time: f64,
+    /// How much force has been missing for how long since the contact was sure, ∫ (f_off − F) dt, N·s.
+    pub lack: f64,
     /// Clock of a held contact, s: it counts while the force is near its target, and runs back while it is away.
     pub hold_time: f64,
     /// Largest speed of the way back to a lost surface, m/s.
@@ -91,6 +94,7 @@ impl ContactAxis {
         force: 0.0,
         surface: 0.0,
         contact_time: 0.0,
+        lack: 0.0,
         hold_time: 0.0,
         return_speed: 0.0,
         spent: 0.0,
@@ -150,6 +154,7 @@ impl ContactAxis {
         ];
         let positive = [
             contact_time,
+            self.lack,
             self.hold_time,
             return_speed,
             self.spent,
@@ -185,10 +190,13 @@ impl ContactAxis {
         self.position = after;
     }
 
-    /// Takes the energy of a way (m) out of the tank, and fills it up for a time (s) with the power of a surface that the
-    /// law follows; `target`: F_d, N.
-    pub fn spend(&mut self, settings: &ContactSettings, target: f64, way: f64, time: f64) {
-        let refill = settings.followed_speed * target * time;
-        self.spent = (self.spent + self.force.max(0.0) * way - refill).max(0.0);
+    /// Takes the energy of what the tool has moved since the last period out of the tank, and fills it up with the power of a surface
+    /// that the law follows.
+    ///
+    /// With the mean of both forces, the energy of a spring is exact however it was moved: an impact on one gives back what it took.
+    pub(super) fn spend(&mut self, settings: &ContactSettings, input: &AxisInput) {
+        let AxisInput { force, target, moved: [way, time], .. } = *input;
+        let mean = 0.5 * (self.force + force);
+        self.spent = (self.spent + mean * way - settings.followed_speed * target * time).max(0.0);
     }
 }

@@ -135,7 +135,8 @@ fn check(row: usize, settings: &ContactSettings) -> Result<(), ContactLawError> 
     let ContactSettings { sensor_lag, retreat_speed, max_acceleration, .. } = *settings;
     let speed = settings.approach_speed.unwrap_or(1.0);
     let positive = "positive";
-    let [most_noise, most_bias] = if settings.is_angular() { [1.0, 10.0] } else { [10.0, 100.0] };
+    let [most_noise, most_bias] =
+        [ContactSettings::MOST_NOISE, ContactSettings::MOST_BIAS].map(|most| most / settings.metre);
     let finite = |value: f64| value.is_finite() && value > 0.0;
     let checks = [
         ("approach_speed", speed, finite(speed), positive),

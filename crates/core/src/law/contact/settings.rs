@@ -21,6 +21,9 @@ const SENSOR_LAG: f64 = 0.002;
 /// Largest acceleration that the law uses, m/s², whatever the joints could give.
 const MAX_ACCELERATION: f64 = 5.0;
 
+/// f_off as a share of f₅. A force of f₅/2 that stays where nothing is pressed is then noticed in spite of noise, and one of f₅ is not lost.
+const RELEASE: f64 = 0.65;
+
 /// Fastest surface that the law follows for long, m/s. It limits the power that the law gives to the surface.
 const FOLLOWED_SPEED: f64 = 0.05;
 
@@ -82,6 +85,12 @@ impl ContactSettings {
         metre: 1.0 / LEVER,
     };
 
+    /// Largest noise of an axis of translation, N.
+    pub const MOST_NOISE: f64 = 10.0;
+
+    /// Largest bias of an axis of translation, N.
+    pub const MOST_BIAS: f64 = 100.0;
+
     /// Returns the defaults of an axis of rotation or of translation.
     pub const fn of(is_angular: bool) -> Self {
         if is_angular { Self::ANGULAR } else { Self::LINEAR }
@@ -102,9 +111,9 @@ impl ContactSettings {
         5.0 * self.noise + self.bias
     }
 
-    /// Returns f_off, the force below which the contact is lost, N.
+    /// Returns f_off, the force below which the contact is in doubt, N.
     pub fn release(&self) -> f64 {
-        0.5 * self.threshold()
+        RELEASE * self.threshold()
     }
 }
 

@@ -15,6 +15,9 @@ const OVERSHOOT: f64 = 0.1;
 /// Share of a that the emergency stop plans with.
 const STOP_SHARE: f64 = 0.8;
 
+/// Periods without any force after which the next touch is slower.
+const BRIEF: f64 = 0.5;
+
 /// Periods of suspicion that are a contact, if the reaction time is shorter.
 const SUSPICIONS: f64 = 2.0;
 
@@ -61,6 +64,8 @@ pub struct AxisInput {
     pub limited_force: f64,
     /// F_d, target force, N, positive.
     pub target: f64,
+    /// How far the tool was measured to move since the last period, m, and in what time, s.
+    pub moved: [f64; 2],
     /// p − x, how far the tool moves on if all later commands are zero, m.
     pub to_rest: f64,
     /// u⁻, the velocity that the last command has achieved, m/s.
@@ -86,10 +91,11 @@ impl Step<'_> {
     /// Updates the axis; returns the velocity u that the law wants, m/s, and the report.
     pub fn run(mut self) -> (f64, ContactReport) {
         let (speed, before) = (self.approach_speed(), self.axis.phase);
+        self.axis.spend(self.settings, &self.input);
         self.axis.force = self.input.force;
         self.find_faults();
         self.change_phase(speed);
-        if self.axis.phase == ContactPhase::Contact {
+        if self.presses() {
             self.learn();
         }
         self.give_up_lost_surface();
@@ -149,12 +155,23 @@ impl Step<'_> {
     fn change_phase(&mut self, speed: f64) {
         let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
         let (threshold, position) = (settings.threshold(), axis.sensed_position);
+        let patience = self.timing.reaction.max(SUSPICIONS * self.timing.period);
         let mut touches = force > threshold;
         if axis.phase == ContactPhase::Approach {
             // A force that stays between suspicion and contact would hold the tool for ever: noise does not stay there.
             let suspected = axis.contact_time + self.timing.period;
             axis.contact_time = if force > settings.suspicion() { suspected } else { 0.0 };
-            touches |= axis.contact_time > self.timing.reaction.max(SUSPICIONS * self.timing.period);
+            touches |= axis.contact_time > patience;
+        }
+        let (before, brief) = (axis.lack, BRIEF * self.timing.period * settings.release());
+        let lack = before + self.timing.period * (settings.release() - force);
+        axis.lack = if axis.phase == ContactPhase::Contact { lack.max(0.0) } else { 0.0 };
+        if before <= brief && axis.lack > brief {
+            // A bounce: the next touch is slower.
+            let floor = (SLOWEST_RETURN * settings.metre).min(speed);
+            let is_long = axis.contact_time >= LONG_CONTACT;
+            axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
+            axis.contact_time = 0.0;
         }
         match axis.phase {
             ContactPhase::Approach if touches => {
@@ -169,14 +186,14 @@ impl Step<'_> {
                 axis.phase = ContactPhase::Contact;
                 axis.estimate.restart_means(position, force);
             }
-            ContactPhase::Contact if force < settings.release() => {
-                let floor = (SLOWEST_RETURN * settings.metre).min(speed);
-                let is_long = axis.contact_time >= LONG_CONTACT;
-                axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
-                (axis.phase, axis.contact_time) = (ContactPhase::Loss, 0.0);
-            }
+            ContactPhase::Contact if axis.lack > patience * settings.release() => axis.phase = ContactPhase::Loss,
             _ => {}
         }
+    }
+
+    /// Returns whether the tool is in contact, and the force does not say otherwise.
+    fn presses(&self) -> bool {
+        self.axis.phase == ContactPhase::Contact && self.input.force >= self.settings.release()
     }
 
     /// Learns stiffness, place of the surface and swings.
@@ -221,8 +238,8 @@ impl Step<'_> {
         match axis.phase {
             ContactPhase::Approach if force > settings.suspicion() => 0.0,
             ContactPhase::Approach => speed,
-            ContactPhase::Contact => self.pressing(force, speed),
-            ContactPhase::Loss => {
+            ContactPhase::Contact if self.presses() => self.pressing(force, speed),
+            ContactPhase::Contact | ContactPhase::Loss => {
                 let modelled = axis.estimate.best() * (axis.sensed_position - axis.surface);
                 self.pressing(force.min(modelled), axis.return_speed)
             }

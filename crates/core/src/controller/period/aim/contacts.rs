@@ -92,10 +92,6 @@ impl Contacts {
             axis.memory.normal = surface.map_or(NormalEstimate::START, |surface| surface.estimate);
             if arm.missed_time > 0.0 {
                 let way = axis.along(&arm.missed_way, config, tasks);
-                let law = config.tasks[axis.task].law.contact();
-                if let Some(settings) = law.map(|law| &law.axes()[axis.row]) {
-                    axis.memory.spend(settings, 0.0, way, arm.missed_time);
-                }
                 axis.memory.advance(&axis.timing, way, arm.missed_time);
             }
         }
@@ -121,6 +117,7 @@ impl Contacts {
                 force: pressed,
                 limited_force: axis.followed_tip.map_or(pressed, |tip| arm.force(tip).norm()),
                 target: axis.target,
+                moved: [axis.along(&arm.moved, config, tasks), config.period_s + arm.missed_time],
                 to_rest: axis.along(&arm.distance_to_rest, config, tasks),
                 last_velocity: axis.direction * last_velocity[row],
                 acceleration: acceleration.min(law.axes()[row].max_acceleration),

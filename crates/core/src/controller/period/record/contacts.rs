@@ -26,9 +26,6 @@ pub(super) fn update(
             .sum();
         let way = axis.direction * moved / config.weight(axis.task, axis.row);
         let mut memory = axis.memory;
-        if let Some(law) = config.tasks[axis.task].law.contact() {
-            memory.spend(&law.axes()[axis.row], axis.target, way, period);
-        }
         memory.advance(&axis.timing, way, period);
         remembered.push(memory);
     }
