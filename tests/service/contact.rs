@@ -110,7 +110,7 @@ fn a_surface_without_a_meaning_is_refused() {
     }
     let mut list = controller(&law());
     list["tasks"][0]["law"]["surface"] = json!([]);
-    refused(&list, "/tasks/0/law/surface");
+    refused(&list, "/tasks/0/law");
     let mut rotation = controller(&law());
     rotation["tasks"][0]["law"]["surface"] = json!({});
     rotation["tasks"][0]["axes"] = json!(["rz"]);
@@ -216,9 +216,9 @@ fn numbers_that_contradict_each_other_are_warned_about() {
         assert!(found.len() == 1 && found[0].contains(part), "{found:?}");
     }
     let mut deaf = controller(&law());
-    deaf["wrench_sensor"] = json!({"deadband_n": 0.6});
+    deaf["wrench_sensor"] = json!({"deadband_n": 0.7});
     let answer = service.call("/v1/controllers", &deaf);
-    assert!(answer["warnings"].to_string().contains("the deadband 0.6 of `wrench_sensor` is above 0.5"), "{answer}");
+    assert!(answer["warnings"].to_string().contains("the deadband 0.7 of `wrench_sensor` is above 0.65"), "{answer}");
     service
         .post(
             "/v1/controllers",
@@ -243,6 +243,8 @@ fn an_answer_tells_the_force_and_what_begins() {
         (&json!("contact"), &json!(3.0), &json!(15.0))
     );
     assert_eq!(contact(3, -3.0).get("event"), None);
-    assert_eq!(contact(4, 0.0)["event"], "loss");
-    assert_eq!(contact(5, 9.0)["event"], "fault");
+    // One reading without a force may be noise.
+    let lost = (4..20).find(|&sequence| contact(sequence, 0.0)["event"] == "loss").unwrap();
+    assert!((5..10).contains(&lost), "{lost}");
+    assert_eq!(contact(lost + 1, 9.0)["event"], "fault");
 }
