@@ -2,8 +2,6 @@
 
 use super::estimate::StiffnessEstimate;
 use super::motion::SurfaceMotion;
-use super::settings::ContactSettings;
-use super::step::AxisInput;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
@@ -188,15 +186,5 @@ impl ContactAxis {
             after
         };
         self.position = after;
-    }
-
-    /// Takes the energy of what the tool has moved since the last period out of the tank, and fills it up with the power of a surface
-    /// that the law follows.
-    ///
-    /// With the mean of both forces, the energy of a spring is exact however it was moved: an impact on one gives back what it took.
-    pub(super) fn spend(&mut self, settings: &ContactSettings, input: &AxisInput) {
-        let AxisInput { force, target, moved: [way, time], .. } = *input;
-        let mean = 0.5 * (self.force + force);
-        self.spent = (self.spent + mean * way - settings.followed_speed * target * time).max(0.0);
     }
 }

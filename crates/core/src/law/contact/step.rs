@@ -91,7 +91,7 @@ impl Step<'_> {
     /// Updates the axis; returns the velocity u that the law wants, m/s, and the report.
     pub fn run(mut self) -> (f64, ContactReport) {
         let (speed, before) = (self.approach_speed(), self.axis.phase);
-        self.axis.spend(self.settings, &self.input);
+        self.spend();
         self.axis.force = self.input.force;
         self.find_faults();
         self.change_phase(speed);
@@ -189,6 +189,16 @@ impl Step<'_> {
             ContactPhase::Contact if axis.lack > patience * settings.release() => axis.phase = ContactPhase::Loss,
             _ => {}
         }
+    }
+
+    /// Takes the energy of what the tool has moved since the last period out of the tank, and fills it up with the power of a surface
+    /// that the law follows.
+    ///
+    /// With the mean of both forces, the energy of a spring is exact however it was moved: an impact on one gives back what it took.
+    fn spend(&mut self) {
+        let AxisInput { force, target, moved: [way, time], .. } = self.input;
+        let mean = 0.5 * (self.axis.force + force);
+        self.axis.spent = (self.axis.spent + mean * way - self.settings.followed_speed * target * time).max(0.0);
     }
 
     /// Returns whether the tool is in contact, and the force does not say otherwise.
