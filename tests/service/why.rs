@@ -160,15 +160,16 @@ fn the_states_of_a_contact_are_told_with_their_forces() {
         service.open(&json!({"robot": "planar_3r", "period_s": 0.01, "why": true, "tasks": tasks}))
     };
     let said = |address: &str, readings: &[[f64; 2]], first: usize| {
-        let steps = readings.iter().enumerate().map(|(k, [force, torque])| {
+        let mut last = String::new();
+        for (k, [force, torque]) in readings.iter().enumerate() {
             let sequence = first + k;
             let state = json!({
                 "sequence": sequence, "time_s": 0.01 * sequence as f64, "joint_position": [0.3, 0.5, 0.4],
                 "joint_velocity": [0, 0, 0], "wrench": {"force": [force, 0, 0], "torque": [0, 0, torque]},
             });
-            sentences(&service.call(&format!("{address}/step"), &state)).join("; ")
-        });
-        steps.last().unwrap()
+            last = sentences(&service.call(&format!("{address}/step"), &state)).join("; ");
+        }
+        last
     };
     let address = press("x");
     assert_eq!(said(&address, &[[0.0; 2]; 2], 0), "task `press` approaches its surface: 0 of 10 N");
