@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from harness import PACKAGE, Lab, recording
+from harness import PACKAGE, Lab, recorder
 
 
 @pytest.fixture
@@ -19,8 +19,7 @@ def lab(tmp_path):
 @pytest.fixture
 def arm():
     """Records the arm without namespace."""
-    with recording() as recorder:
-        yield recorder
+    return recorder()
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import socket
@@ -9,8 +10,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from threading import Thread
 from types import SimpleNamespace
@@ -138,13 +140,8 @@ class Recorder:
 
     def __init__(self, namespace: str = "") -> None:
         self.prefix = f"/{namespace}" if namespace else ""
-        self.commands: list[tuple[float, np.ndarray]] = []
-        self.points: list[SimpleNamespace] = []
-        self.states: list[tuple[float, JointState]] = []
-        self.force = np.zeros(3)
-        self.statuses: dict[str, SimpleNamespace] = {}
+        self.forget()
         if not rclpy.ok():
-            # One context for all recorders: the middleware can crash if a process closes and opens contexts.
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node("recorder", namespace=namespace or None)
         each = QoSProfile(depth=1000)
@@ -162,12 +159,28 @@ class Recorder:
         self.is_closing = False
         self.thread = Thread(target=self._spin, daemon=True)
         self.thread.start()
+        atexit.register(self.close)
+
+    def forget(self) -> None:
+        """Forgets what was recorded."""
+        self.heard_s = time.monotonic()
+        self.commands: list[tuple[float, np.ndarray]] = []
+        self.points: list[SimpleNamespace] = []
+        self.states: list[tuple[float, JointState]] = []
+        self.force = np.zeros(3)
+        self.statuses: dict[str, SimpleNamespace] = {}
+
+    def restart(self) -> None:
+        """Forgets the nodes of earlier tests, when the last message of them has arrived."""
+        until(lambda: time.monotonic() > self.heard_s + 0.2, "silence of the nodes of earlier tests")
+        self.forget()
 
     def _spin(self) -> None:
         while not self.is_closing:
             self.executor.spin_once(timeout_sec=0.05)
 
     def _command(self, message: Float64MultiArray) -> None:
+        self.heard_s = time.monotonic()
         self.commands.append((time.monotonic(), np.array(message.data)))
 
     def _point(self, message: JointTrajectory) -> None:
@@ -182,6 +195,7 @@ class Recorder:
         )
 
     def _state(self, message: JointState) -> None:
+        self.heard_s = time.monotonic()
         self.states.append((time.monotonic(), message))
 
     def _wrench(self, message: WrenchStamped) -> None:
@@ -189,6 +203,7 @@ class Recorder:
         self.force = np.array([force.x, force.y, force.z])
 
     def _diagnostics(self, message: DiagnosticArray) -> None:
+        self.heard_s = time.monotonic()
         for status in message.status:
             if status.name.startswith(f"{self.prefix}/revprio: "):
                 values = {pair.key: pair.value for pair in status.values}
@@ -246,18 +261,21 @@ class Recorder:
         assert call.result().results[0].successful, call.result().results[0].reason
 
     def close(self) -> None:
-        """Ends the node."""
+        """Ends the recording."""
         self.is_closing = True
         self.thread.join()
-        self.executor.shutdown()
-        self.node.destroy_node()
 
 
-@contextmanager
-def recording(namespace: str = "") -> Iterator[Recorder]:
-    """Records one arm."""
-    recorder = Recorder(namespace)
-    try:
-        yield recorder
-    finally:
-        recorder.close()
+@cache
+def _recorder(namespace: str) -> Recorder:
+    return Recorder(namespace)
+
+
+def recorder(namespace: str = "") -> Recorder:
+    """Returns the recorder of an arm, which remembers nothing of earlier tests.
+
+    A recorder lives as long as the process: the middleware can crash while it destroys a node or a context.
+    """
+    recorder = _recorder(namespace)
+    recorder.restart()
+    return recorder

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from harness import PACKAGE, Lab, free_port, recording, until
+from harness import PACKAGE, Lab, free_port, recorder, until
 
 SECONDS = 5.0
 
@@ -23,7 +23,8 @@ def measure(place: str, period_s: float) -> tuple[list[float], list[float]]:
     scenario["controller"]["period_s"] = period_s
     scenario["contacts"] = []
     scenario["controller"]["tasks"][0]["law"]["damping"] = 5000
-    with tempfile.TemporaryDirectory() as directory, recording() as arm:
+    arm = recorder()
+    with tempfile.TemporaryDirectory() as directory:
         lab = Lab(Path(directory))
         try:
             url = lab.service(free_port())[1] if place == "service" else ""

@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 import pytest
-from harness import free_port, recording, until
+from harness import free_port, recorder, until
 
 FORCE_N = 20.0
 
@@ -78,13 +78,13 @@ def test_the_order_of_the_velocity_command_is_a_parameter(lab, arm, scenario):
 
 
 def test_two_arms_in_two_namespaces(lab, scenario):
-    with recording("left") as left, recording("right") as right:
-        for name, newtons in (("left", 20.0), ("right", 10.0)):
-            lab.node("simulator", name, scenario=lab.file("wall.json", json.dumps(scenario)))
-            scenario["controller"]["tasks"][0]["law"]["target_force"]["value"] = newtons
-            lab.node("controller", name, controller=lab.file(f"{name}.json", json.dumps(scenario["controller"])))
-        until(lambda: abs(np.linalg.norm(left.force) - 20) < 1.0, "20 N at the left wall")
-        until(lambda: abs(np.linalg.norm(right.force) - 10) < 1.0, "10 N at the right wall")
+    left, right = recorder("left"), recorder("right")
+    for name, newtons in (("left", 20.0), ("right", 10.0)):
+        lab.node("simulator", name, scenario=lab.file("wall.json", json.dumps(scenario)))
+        scenario["controller"]["tasks"][0]["law"]["target_force"]["value"] = newtons
+        lab.node("controller", name, controller=lab.file(f"{name}.json", json.dumps(scenario["controller"])))
+    until(lambda: abs(np.linalg.norm(left.force) - 20) < 1.0, "20 N at the left wall")
+    until(lambda: abs(np.linalg.norm(right.force) - 10) < 1.0, "10 N at the right wall")
 
 
 def test_a_killed_node_leaves_the_arm_to_the_timeout_of_the_driver(lab, arm, scenario):
