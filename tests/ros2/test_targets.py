@@ -13,7 +13,8 @@ HOLD = {"name": "hold", "axes": ["rx", "ry", "rz"], "law": {"kind": "pose", "gai
 STILL = {"kind": "constant", "value": [0, 0, 0]}
 TASKS = {
     "twist": {"name": "hand", "axes": ["x", "y", "z"], "law": {"kind": "velocity", "target_velocity": STILL}},
-    "pose": {"name": "hand", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2}},
+    # Another name, because a recorder keeps its publishers and a topic has one type.
+    "pose": {"name": "point", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2}},
 }
 
 
@@ -30,7 +31,9 @@ def follow(lab, arm, scenario):
         arm.wait_for("controls the arm")
         until(lambda: arm.states, "joint states")
         return arm.node.create_publisher(
-            {"twist": TwistStamped, "pose": PoseStamped}[kind], "targets/hand", qos_profile_sensor_data
+            {"twist": TwistStamped, "pose": PoseStamped}[kind],
+            f"targets/{TASKS[kind]['name']}",
+            qos_profile_sensor_data,
         )
 
     return start
