@@ -175,6 +175,32 @@ fn named_members_among_many_rows_are_minimal() {
     }
 }
 
+/// Lower levels use what several higher ones hold: equations that are missed, rows and limits.
+#[test]
+fn named_members_below_many_levels_are_minimal() {
+    let mut named = 0;
+    for seed in 0..300 {
+        let mut random = Random::new(seed);
+        let (n, entries) = (4 + random.below(9), random.pick(&[Entries::Normal, Entries::SmallIntegers]));
+        let mut level = |_| {
+            let is_equation = random.one_in(3);
+            let row = |random: &mut Random| {
+                let coefficients = (0..n).map(|_| random.entry(entries)).collect();
+                let bound = random.entry(entries) - 0.5;
+                Row { coefficients, lower: if is_equation { bound } else { f64::NEG_INFINITY }, upper: bound }
+            };
+            let count = if is_equation { 1 + n / 3 } else { 1 + random.below(2 * n) };
+            (0..count).map(|_| row(&mut random)).collect::<Vec<_>>()
+        };
+        let levels = (0..8).map(&mut level).collect();
+        let hierarchy = Hierarchy { lower: vec![-0.4; n], upper: vec![0.7; n], reference: vec![0.0; n], levels };
+        let answer = hierarchy.solve(&[]);
+        assert_named(&hierarchy, &hierarchy.problem(), &answer);
+        named += answer.contradictions.len();
+    }
+    assert!(named > 800, "the problems lack contradictions: {named}");
+}
+
 /// Returns the members of the only contradiction, those of equations without a side.
 fn only_contradiction(hierarchy: &Hierarchy) -> (Option<usize>, Vec<String>) {
     let problem = hierarchy.problem();
