@@ -7,6 +7,6 @@ use crate::Bound;
 pub struct Contradiction {
     /// The task whose inequality rows cannot all be kept, index from 0; `None` for the hard inequalities before all tasks.
     pub task: Option<usize>,
-    /// The demands. An equation of a higher task stands for the value that it achieves.
+    /// The demands. An equation stands for the value that it achieves.
     pub members: Vec<Bound>,
 }

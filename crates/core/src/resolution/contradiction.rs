@@ -1,10 +1,13 @@
 //! Minimal sets of demands that contradict each other.
 //!
-//! Where a level cannot keep its inequalities, the multipliers w of its residual prove it: Σ w_i a_i = 0 over its rows, the
-//! rows of higher levels and the bounds, while Σ w_i b_i < 0 (Farkas). Weights are then moved along dependencies of the vectors
-//! a_i, one member after the other as in the simplex method, until a dependency is a proof itself.
+//! Where a level leaves a residual, its multipliers w prove it: Σ w_i a_i = 0 over its rows, the rows of higher levels and the
+//! bounds, with w_i ≥ 0 once each a_i points out of its demand (Farkas). All these demands are then held at the values that
+//! they have, so that lower levels may use them as equations. This file keeps a basis of what is held. A level moves its
+//! weights along dependencies of its vectors, one member after the other as in the simplex method, until a dependency has no
+//! negative weight. Such a *face* is a proof of its own, up to vectors that higher levels hold; weights of these that have the
+//! wrong sign become right by adding their own faces, from the last to the first.
 
-use revprio_problem::{Bound, BoundId, Contradiction, Problem, Side};
+use revprio_problem::{Bound, BoundId, Contradiction, Side};
 
 use super::engine::Solved;
 use super::hierarchy::{Hierarchy, Level};
@@ -12,237 +15,343 @@ use super::solution::Solution;
 use crate::linalg::dot;
 use crate::tolerances::TOLERANCES;
 
-/// A member of a proof: side · (a·x − b) ≤ 0, with its weight.
-struct Member {
-    name: Bound,
-    coefficients: Vec<f64>,
-    bound: f64,
-    weight: f64,
-}
-
-/// Writes one contradiction for each level whose inequality rows are not all kept by the solution.
+/// Writes one contradiction for each level whose inequality rows are not all kept by the solution. The first `joints` unknowns
+/// are joint velocities.
 pub fn write_contradictions(
-    problem: &Problem,
     levels: &Hierarchy,
+    joints: usize,
     solution: &Solution,
     solved: &mut Solved,
     contradictions: &mut Vec<Contradiction>,
 ) {
-    if levels.inequalities.is_empty() {
-        return;
-    }
-    let mut broken = Vec::new();
-    for (level, own) in levels.levels.iter().enumerate() {
-        let known = broken.len();
-        broken.extend(broken_rows(levels, solution, own));
-        let Some(&first) = broken.get(known) else { continue };
-        let task = match levels.rows[first].origin {
+    let is_broken = |level: &Level| broken_row(levels, solution, level).is_some();
+    let has_inequalities = !levels.inequalities.is_empty();
+    let last = has_inequalities.then(|| levels.levels.iter().rposition(is_broken)).flatten();
+    let Some(last) = last else { return };
+    let mut proofs = Proofs::new(levels, solution);
+    proofs.hold_pinned_unknowns();
+    for (index, level) in levels.levels[..=last].iter().enumerate() {
+        let proof = proofs.close(index, solved);
+        let (Some(proof), Some(broken)) = (proof, broken_row(levels, solution, level)) else { continue };
+        let Some(members) = names(levels, joints, &proof) else { continue };
+        let task = match levels.rows[broken].origin {
             Some(BoundId::Task { index, .. }) => Some(index),
             Some(_) => None,
             None => continue,
         };
-        let Some(mut members) = proof_members(problem, levels, (solution, &broken), level, solved) else { continue };
-        reduce(&mut members);
-        if members.is_empty() {
-            // What is missing is rounding.
-            continue;
-        }
-        contradictions.push(Contradiction { task, members: members.iter().map(|member| member.name).collect() });
+        contradictions.push(Contradiction { task, members });
     }
 }
 
-/// Returns the inequality rows of a level that miss their bounds by more than rounding.
-fn broken_rows(levels: &Hierarchy, solution: &Solution, level: &Level) -> impl Iterator<Item = usize> {
-    let rounding = TOLERANCES.proof_weight * levels.size(level, norm(&solution.x));
-    let missing = |row: usize| {
-        let (value, demand) = (solution.row_values[row], &levels.rows[row]);
-        (value - demand.upper).max(demand.lower - value)
-    };
-    level.rows().filter(move |&row| !levels.rows[row].is_equation() && missing(row) > rounding)
+/// Returns an inequality row of a level that misses its bounds.
+fn broken_row(levels: &Hierarchy, solution: &Solution, level: &Level) -> Option<usize> {
+    let mut missing = levels.missing_rows(solution, level);
+    missing.find(|(row, _)| !levels.rows[*row].is_equation()).map(|(row, _)| row)
 }
 
-/// Returns the members of the proof that the multipliers of a level give; `None` where damping rows hold the level back.
-fn proof_members(
-    problem: &Problem,
-    levels: &Hierarchy,
-    (solution, broken): (&Solution, &[usize]),
-    level: usize,
-    solved: &mut Solved,
-) -> Option<Vec<Member>> {
-    let n = problem.tasks.joint_count();
-    let own = levels.levels[level].rows();
-    let is_broken = |row: usize| broken.binary_search(&row).is_ok();
-    if let Some(zero) = own.clone().find(|&row| is_broken(row) && levels.row(row).iter().all(|entry| *entry == 0.0)) {
-        // A row of zeros contradicts itself.
-        let (Some(id), side) = (levels.rows[zero].origin, solution.working_set.rows[zero]?) else { return None };
-        return Some(vec![member(Bound { id, side }, &vec![0.0; n], -1.0, 1.0, Side::Upper)]);
-    }
-    let (rows, unknowns) = proof(levels, solution, level, solved);
-    let negligible = negligible_force(levels, &rows, &unknowns);
-    // With Σ w_i a_i = h: the rows with the sign of −w pull against the bounds with the sign of h.
-    let side = |sign: f64| if sign < 0.0 { Side::Lower } else { Side::Upper };
-    let mut members = Vec::new();
-    for (row, &w) in rows.iter().enumerate().filter(|(row, w)| w.abs() * length(levels, *row) > negligible) {
-        let side = side(-w);
-        let name = Bound { id: levels.rows[row].origin?, side };
-        // What a higher level achieved is kept, whatever it asked for.
-        let is_kept = row < own.start && (levels.rows[row].is_equation() || is_broken(row));
-        let bound = if is_kept { solution.row_values[row] } else { levels.rows[row].bound(side) };
-        members.push(member(name, &levels.row(row)[..n], bound, w.abs(), side));
-    }
-    for (joint, &h) in unknowns[..n].iter().enumerate().filter(|(_, h)| h.abs() > negligible) {
-        if solution.working_set.unknowns[joint].is_none() && levels.lower[joint] < levels.upper[joint] {
-            continue;
-        }
-        let side = side(h);
-        let bound = if side == Side::Lower { levels.lower[joint] } else { levels.upper[joint] };
-        let unit: Vec<f64> = (0..n).map(|j| if j == joint { 1.0 } else { 0.0 }).collect();
-        members.push(member(Bound { id: BoundId::Joint(joint), side }, &unit, bound, h.abs(), side));
-    }
-    Some(members)
-}
-
-/// Returns weights of the rows (sign of b − A x) and of the unknowns with Σ w_i a_i = h, in which every active bound has the
-/// sign of its side: the multipliers of the level, plus multiples of those of higher levels for bounds that these decide.
-fn proof(levels: &Hierarchy, solution: &Solution, level: usize, solved: &mut Solved) -> (Vec<f64>, Vec<f64>) {
-    let (mut rows, mut unknowns, mut higher_rows, mut higher_unknowns) = (vec![], vec![], vec![], vec![]);
-    solved.write_level_multipliers(levels, level, &mut rows, &mut unknowns);
-    let set = &solution.working_set;
-    let is_wrong = |side: Option<Side>, own: f64| side.is_some_and(|side| side.sign() * own < 0.0);
-    for higher in (0..level).rev() {
-        let wrong_unknowns = (0..unknowns.len()).filter(|&j| is_wrong(set.unknowns[j], unknowns[j]));
-        let wrong_rows = (0..rows.len()).filter(|&row| is_wrong(set.rows[row], -rows[row]));
-        let wrong: (Vec<usize>, Vec<usize>) = (wrong_unknowns.collect(), wrong_rows.collect());
-        if wrong.0.is_empty() && wrong.1.is_empty() {
-            break;
-        }
-        solved.write_level_multipliers(levels, higher, &mut higher_rows, &mut higher_unknowns);
-        let negligible = negligible_force(levels, &higher_rows, &higher_unknowns);
-        // How much of the higher level makes a wrong sign right; a sign that it does not decide stays.
-        let needed = |own: f64, higher: f64, size: f64| {
-            if own * higher < 0.0 && higher.abs() * size > negligible { -own / higher } else { 0.0 }
+/// Returns the names of the demands of a proof; `None` if one has no name, such as a row of damping.
+fn names(levels: &Hierarchy, joints: usize, proof: &[(HalfSpace, f64)]) -> Option<Vec<Bound>> {
+    let negligible = TOLERANCES.proof_weight * proof.iter().fold(0.0, |most, (_, weight)| f64::max(most, weight.abs()));
+    let mut members: Vec<_> = proof.iter().filter(|(_, weight)| weight.abs() > negligible).collect();
+    members.sort_unstable_by_key(|(half_space, _)| half_space.at);
+    let name = |&&(HalfSpace { at, side }, weight): &&(HalfSpace, f64)| {
+        let joint = at.checked_sub(levels.rows.len());
+        let id = match joint {
+            Some(joint) => (joint < joints).then_some(BoundId::Joint(joint))?,
+            None => levels.rows[at].origin?,
         };
-        let of_unknowns = wrong.0.iter().map(|&j| needed(unknowns[j], higher_unknowns[j], 1.0));
-        let of_rows = wrong.1.iter().map(|&row| needed(rows[row], higher_rows[row], length(levels, row)));
-        let factor = of_unknowns.chain(of_rows).fold(0.0, f64::max);
-        rows.iter_mut().zip(&higher_rows).for_each(|(w, higher)| *w += factor * higher);
-        unknowns.iter_mut().zip(&higher_unknowns).for_each(|(h, higher)| *h += factor * higher);
-    }
-    (rows, unknowns)
+        // Equations have weights of both signs.
+        Some(Bound { id, side: if side.sign() * weight < 0.0 { Side::Lower } else { Side::Upper } })
+    };
+    members.iter().map(name).collect()
 }
 
-/// Returns the size below which a multiplier, times the length of its row, is rounding of others.
-fn negligible_force(levels: &Hierarchy, rows: &[f64], unknowns: &[f64]) -> f64 {
-    let of_rows = rows.iter().enumerate().map(|(row, w)| w.abs() * length(levels, row));
-    TOLERANCES.proof_weight * of_rows.chain(unknowns.iter().map(|h| h.abs())).fold(0.0, f64::max)
+/// A demand side · a·x ≤ side · b: of a row, or of the unknown `at` − m behind the m rows.
+#[derive(Debug, Clone, Copy)]
+struct HalfSpace {
+    at: usize,
+    side: Side,
 }
 
-/// Turns a demand into side · a·x ≤ side · b with a of length one.
-fn member(name: Bound, coefficients: &[f64], bound: f64, weight: f64, side: Side) -> Member {
-    let length = norm(coefficients);
-    let length = if length > 0.0 { length } else { 1.0 };
-    let coefficients = coefficients.iter().map(|a| side.sign() * a / length).collect();
-    Member { name, coefficients, bound: side.sign() * bound / length, weight: weight * length }
+/// A demand with a multiplier that is not zero.
+struct Member {
+    half_space: HalfSpace,
+    /// What is missing, divided by ‖a‖.
+    missing: f64,
+    /// Its multiplier times ‖a‖.
+    weight: f64,
+    /// Whether its vector depends on those that are held.
+    is_held: bool,
 }
 
-/// Replaces the members by a proof whose vectors depend on each other in one way only.
-///
-/// Members are added to a basis one after the other. If a_j = Σ t_p a_p depends on the basis, the weights move along this
-/// dependency so that Σ w_i b_i does not rise, until one of them vanishes; what is left stays a basis. If none vanishes, the
-/// dependency is a proof.
-fn reduce(members: &mut Vec<Member>) {
-    let mut basis = Basis::new(members.first().map_or(0, |member| member.coefficients.len()));
-    let size = members.iter().fold(0.0, |size, member| f64::max(size, member.bound.abs()));
-    // Joints are last: their unit vectors make the inverse sparse.
-    for next in (0..members.len()).rev() {
-        basis.decompose(&members[next].coefficients);
-        if basis.add(next) {
-            continue;
+/// Demands whose vectors depend on each other with positive weights, up to what was held before.
+struct Face {
+    /// The one that is not in the basis; its weight is 1.
+    outside: HalfSpace,
+    /// The places of the others.
+    places: Vec<usize>,
+    /// The weight of each place of the basis.
+    weights: Vec<f64>,
+}
+
+/// The proofs of the levels, from the highest one on.
+struct Proofs<'a> {
+    levels: &'a Hierarchy,
+    solution: &'a Solution,
+    /// What each row misses, divided by its length; 0 where that is rounding.
+    missing: Vec<f64>,
+    /// Whether the vector of each row and of each unknown depends on those that are held.
+    is_held: Vec<bool>,
+    basis: Basis,
+    faces: Vec<Face>,
+}
+
+impl<'a> Proofs<'a> {
+    fn new(levels: &'a Hierarchy, solution: &'a Solution) -> Self {
+        let mut missing = vec![0.0; levels.rows.len()];
+        for level in &levels.levels {
+            levels.missing_rows(solution, level).for_each(|(row, off)| missing[row] = off / length(levels, row));
         }
-        let negligible = TOLERANCES.proof_weight * basis.t.iter().fold(1.0, |most, t| f64::max(most, t.abs()));
-        let others: f64 = basis.taken().map(|(_, member, t)| t * members[member].bound).sum();
-        let direction = if others - members[next].bound > negligible * size { 1.0 } else { -1.0 };
-        let falling = basis.taken().filter(|(.., t)| direction * t > negligible);
-        let lengths = falling.map(|(place, member, t)| (members[member].weight / t.abs(), Some(place)));
-        let own = (if direction > 0.0 { f64::INFINITY } else { members[next].weight }, None);
-        let (length, vanishing) = lengths.fold(own, |least, other| if other.0 < least.0 { other } else { least });
-        if length.is_infinite() {
-            for member in members.iter_mut() {
-                member.weight = 0.0;
+        let (is_held, basis) = (vec![false; levels.rows.len() + levels.unknowns], Basis::new(levels.unknowns));
+        Self { levels, solution, missing, is_held, basis, faces: Vec::new() }
+    }
+
+    /// Holds the unknowns that have one value.
+    fn hold_pinned_unknowns(&mut self) {
+        let levels = self.levels;
+        let pinned = (0..levels.unknowns).filter(|&j| levels.lower[j] >= levels.upper[j]);
+        pinned.for_each(|j| self.hold(levels.rows.len() + j));
+    }
+
+    /// Holds an equation: a row, or an unknown.
+    fn hold(&mut self, at: usize) {
+        let half_space = HalfSpace { at, side: Side::Upper };
+        self.basis.decompose(self.levels, half_space);
+        self.basis.add(Place::Held(half_space));
+        self.is_held[at] = true;
+    }
+
+    /// Holds what a level decides; returns the members of a proof that its inequality rows contradict each other, with weights.
+    fn close(&mut self, level: usize, solved: &mut Solved) -> Option<Vec<(HalfSpace, f64)>> {
+        let (levels, own) = (self.levels, self.levels.levels[level].rows());
+        own.clone().filter(|&row| levels.rows[row].is_equation()).for_each(|row| self.hold(row));
+        if own.clone().all(|row| self.missing[row] == 0.0) {
+            return None;
+        }
+        let mut members = self.members(level, solved);
+        let mut proof = None;
+        // Weights can leave vectors that no face contains. These begin again with the weights that they had.
+        while self.pass(&mut members, &mut proof) {}
+        self.basis.leave_members();
+        for member in members.iter().filter(|member| member.is_held) {
+            self.is_held[member.half_space.at] = true;
+        }
+        proof
+    }
+
+    /// Returns the demands that are not held and that the multipliers of a level need.
+    fn members(&self, level: usize, solved: &mut Solved) -> Vec<Member> {
+        let (levels, set) = (self.levels, &self.solution.working_set);
+        let (mut rows, mut unknowns) = (Vec::new(), Vec::new());
+        solved.write_level_multipliers(levels, level, &mut rows, &mut unknowns);
+        let own = levels.levels[level].rows();
+        let of_rows = (0..own.end).map(|row| (row, set.rows[row], -rows[row] * length(levels, row)));
+        let of_unknowns = (0..levels.unknowns).map(|j| (levels.rows.len() + j, set.unknowns[j], unknowns[j]));
+        let forces = of_rows.chain(of_unknowns);
+        let largest = forces.clone().fold(0.0, |most, (.., force)| f64::max(most, force.abs()));
+        let not_held = forces.filter(|(at, ..)| !self.is_held[*at]);
+        let members = not_held.filter_map(|(at, side, force)| {
+            let side = side?;
+            let (weight, missing) = (side.sign() * force, if own.contains(&at) { self.missing[at] } else { 0.0 });
+            let counts = missing > 0.0 || weight > TOLERANCES.proof_weight * largest;
+            counts.then_some(Member {
+                half_space: HalfSpace { at, side },
+                missing,
+                weight: weight.max(0.0),
+                is_held: false,
+            })
+        });
+        members.collect()
+    }
+
+    /// Moves the weights of the members that are not held, and holds the faces that this finds; returns whether it found one.
+    /// The first one in which something is missing becomes the proof.
+    ///
+    /// Members are added to the basis one after the other. If a_j = Σ t_p a_p depends on the basis, the weights move along this
+    /// dependency so that Σ w_i s_i of what is missing does not fall, until one of them vanishes; what is left stays a basis.
+    fn pass(&mut self, members: &mut [Member], proof: &mut Option<Vec<(HalfSpace, f64)>>) -> bool {
+        let mut weights: Vec<f64> = members.iter().map(|member| member.weight).collect();
+        let size = members.iter().fold(0.0, |size, member| f64::max(size, member.missing));
+        let known = self.faces.len();
+        // Unknowns are last: their unit vectors make the inverse sparse.
+        for next in (0..members.len()).rev() {
+            if members[next].is_held || self.basis.has(next) {
+                continue;
             }
-            basis.taken().for_each(|(_, member, t)| members[member].weight = -t);
-            members[next].weight = 1.0;
-            members.retain(|member| member.weight > negligible);
-            return;
+            if proof.is_some() && self.basis.is_held() {
+                return false;
+            }
+            self.basis.decompose(self.levels, members[next].half_space);
+            if self.basis.add(Place::Member(next)) {
+                continue;
+            }
+            let negligible = TOLERANCES.proof_weight * self.basis.t.iter().fold(1.0, |most, t| f64::max(most, t.abs()));
+            let others: f64 = self.basis.members().map(|(_, member, t)| t * members[member].missing).sum();
+            let is_gain = members[next].missing - others > negligible * size;
+            if self.basis.members().all(|(.., t)| t <= negligible) {
+                let face = self.hold_face(members, next, negligible);
+                if is_gain && proof.is_none() {
+                    *proof = Some(self.with_right_signs(&face));
+                }
+                if !face.places.is_empty() {
+                    self.faces.push(face);
+                }
+                continue;
+            }
+            let direction = if is_gain { 1.0 } else { -1.0 };
+            let falling = self.basis.members().filter(|(.., t)| direction * t > negligible);
+            let lengths = falling.map(|(place, member, t)| (weights[member] / t.abs(), Some(place)));
+            let own = (if is_gain { f64::INFINITY } else { weights[next] }, None);
+            let (length, vanishing) = lengths.fold(own, |least, other| if other.0 < least.0 { other } else { least });
+            for (_, member, t) in self.basis.members() {
+                weights[member] = (weights[member] - direction * length * t).max(0.0);
+            }
+            weights[next] += direction * length;
+            if let Some(place) = vanishing {
+                self.basis.exchange(place, Place::Member(next));
+            }
         }
-        for (_, member, t) in basis.taken() {
-            members[member].weight = (members[member].weight - direction * length * t).max(0.0);
+        self.faces.len() > known
+    }
+
+    /// Holds the members whose dependency was found: `next`, and those with negative t in the basis.
+    fn hold_face(&mut self, members: &mut [Member], next: usize, negligible: f64) -> Face {
+        let found: Vec<_> = self.basis.members().filter(|(.., t)| *t < -negligible).collect();
+        for &(place, member, _) in &found {
+            members[member].is_held = true;
+            self.basis.places[place] = Place::Held(members[member].half_space);
         }
-        members[next].weight += direction * length;
-        if let Some(place) = vanishing {
-            basis.exchange(place, next);
+        members[next].is_held = true;
+        let weights = self.basis.t.iter().map(|t| -t).collect();
+        Face {
+            outside: members[next].half_space,
+            places: found.into_iter().map(|(place, ..)| place).collect(),
+            weights,
         }
     }
-    members.clear();
+
+    /// Returns the members of the proof that a face is, with weights. Those of earlier faces are not negative.
+    fn with_right_signs(&self, face: &Face) -> Vec<(HalfSpace, f64)> {
+        let mut weights = face.weights.clone();
+        let mut proof = vec![(face.outside, 1.0)];
+        for face in self.faces.iter().rev() {
+            let needed = face.places.iter().map(|&place| -weights[place] / face.weights[place]);
+            let factor = needed.fold(0.0, f64::max);
+            weights.iter_mut().zip(&face.weights).for_each(|(weight, own)| *weight += factor * own);
+            proof.push((face.outside, factor));
+        }
+        proof.extend(self.basis.held().map(|(place, half_space)| (half_space, weights[place])));
+        proof
+    }
 }
 
-/// Independent vectors of members, completed by unit vectors to a basis of n vectors.
+/// What stands at a place of a basis.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// A vector that only completes the basis.
+    Free,
+    /// A member of the level.
+    Member(usize),
+    /// A demand that is held.
+    Held(HalfSpace),
+}
+
+/// n independent vectors.
 struct Basis {
-    /// The member at each place; `None`: the unit vector.
-    members: Vec<Option<usize>>,
+    places: Vec<Place>,
     /// The inverse of the matrix whose columns are the basis, row by row.
     inverse: Vec<f64>,
     /// The vector that was decomposed last is Σ t_p a_p.
     t: Vec<f64>,
-    row: Vec<f64>,
+    vector: Vec<f64>,
 }
 
 impl Basis {
     fn new(n: usize) -> Self {
         let inverse = (0..n * n).map(|at| if at % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        Self { members: vec![None; n], inverse, t: vec![0.0; n], row: vec![0.0; n] }
+        Self { places: vec![Place::Free; n], inverse, t: vec![0.0; n], vector: vec![0.0; n] }
     }
 
-    fn decompose(&mut self, vector: &[f64]) {
-        let rows = self.inverse.chunks_exact(vector.len().max(1));
+    /// Decomposes side · a/‖a‖.
+    fn decompose(&mut self, levels: &Hierarchy, HalfSpace { at, side }: HalfSpace) {
+        let (vector, n) = (&mut self.vector, self.t.len());
+        if let Some(j) = at.checked_sub(levels.rows.len()) {
+            let column = self.inverse.chunks_exact(n).map(|row| side.sign() * row[j]);
+            self.t.iter_mut().zip(column).for_each(|(t, entry)| *t = entry);
+            return;
+        }
+        let factor = side.sign() / length(levels, at);
+        vector.iter_mut().zip(levels.row(at)).for_each(|(entry, a)| *entry = factor * a);
+        let rows = self.inverse.chunks_exact(n);
         self.t.iter_mut().zip(rows).for_each(|(t, row)| *t = dot(row, vector));
     }
 
     /// Returns the places of members, with t.
-    fn taken(&self) -> impl Iterator<Item = (usize, usize, f64)> {
-        let places = self.members.iter().zip(&self.t).enumerate();
-        places.filter_map(|(place, (member, t))| member.map(|member| (place, member, *t)))
+    fn members(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let places = self.places.iter().zip(&self.t).enumerate();
+        places.filter_map(
+            |(at, (place, t))| if let Place::Member(member) = place { Some((at, *member, *t)) } else { None },
+        )
     }
 
-    /// Puts the member of the decomposed vector in the place of a unit vector, if it is independent of the other members; returns
-    /// whether it is.
-    fn add(&mut self, member: usize) -> bool {
-        let is_unit = |place: &usize| self.members[*place].is_none();
+    /// Returns the places that are held.
+    fn held(&self) -> impl Iterator<Item = (usize, HalfSpace)> {
+        let places = self.places.iter().enumerate();
+        places
+            .filter_map(|(at, place)| if let Place::Held(half_space) = place { Some((at, *half_space)) } else { None })
+    }
+
+    fn has(&self, next: usize) -> bool {
+        self.members().any(|(_, member, _)| member == next)
+    }
+
+    /// Returns whether all places are held.
+    fn is_held(&self) -> bool {
+        self.held().count() == self.places.len()
+    }
+
+    /// Puts the vector that was decomposed last in a free place, if it is independent of the others; returns whether it is.
+    fn add(&mut self, content: Place) -> bool {
+        let is_free = |place: &usize| matches!(self.places[*place], Place::Free);
         let by_size = |a: &usize, b: &usize| self.t[*a].abs().total_cmp(&self.t[*b].abs());
-        let largest = (0..self.t.len()).filter(is_unit).max_by(by_size);
+        let largest = (0..self.t.len()).filter(is_free).max_by(by_size);
         let Some(place) = largest.filter(|&place| self.t[place].abs() > TOLERANCES.proof_weight) else { return false };
-        self.exchange(place, member);
+        self.exchange(place, content);
         true
     }
 
-    /// Puts the member of the decomposed vector in a place.
-    fn exchange(&mut self, place: usize, member: usize) {
-        let Self { members, inverse, t, row } = self;
+    /// Puts the vector that was decomposed last in a place.
+    fn exchange(&mut self, place: usize, content: Place) {
+        let Self { places, inverse, t, vector: row } = self;
         let n = t.len();
-        members[place] = Some(member);
+        places[place] = content;
         row.iter_mut().zip(&inverse[place * n..]).for_each(|(own, entry)| *own = entry / t[place]);
         for (other, factor) in inverse.chunks_exact_mut(n).zip(&*t).filter(|(_, factor)| **factor != 0.0) {
             other.iter_mut().zip(&*row).for_each(|(entry, own)| *entry -= factor * own);
         }
         inverse[place * n..][..n].copy_from_slice(row);
     }
+
+    /// Leaves the places of members to others.
+    fn leave_members(&mut self) {
+        for place in self.places.iter_mut().filter(|place| matches!(place, Place::Member(_))) {
+            *place = Place::Free;
+        }
+    }
 }
 
-/// Returns ‖a‖ of a row.
+/// Returns ‖a‖ of a row, or 1 for a row of zeros.
 fn length(levels: &Hierarchy, row: usize) -> f64 {
-    levels.rows[row].square.sqrt()
-}
-
-fn norm(entries: &[f64]) -> f64 {
-    dot(entries, entries).sqrt()
+    let square = levels.rows[row].square;
+    if square > 0.0 { square.sqrt() } else { 1.0 }
 }

@@ -6,6 +6,7 @@ use revprio_problem::{BoundId, MAX_UNKNOWNS, Side};
 
 use super::solution::{Solution, refill};
 use crate::linalg::{Matrix, Row, dot};
+use crate::tolerances::TOLERANCES;
 
 /// Levels of rows within a box, highest level first.
 ///
@@ -213,6 +214,16 @@ impl Hierarchy {
         let bounds = self.rows[level.rows()].iter().flat_map(|row| [row.lower, row.upper]);
         let square: f64 = bounds.filter(|bound| bound.is_finite()).map(|bound| bound * bound).sum();
         level.norm * speed + square.sqrt()
+    }
+
+    /// Returns the rows of a level that a solution misses by more than rounding, and by how much.
+    pub fn missing_rows(&self, solution: &Solution, level: &Level) -> impl Iterator<Item = (usize, f64)> {
+        let rounding = TOLERANCES.proof_weight * self.size(level, dot(&solution.x, &solution.x).sqrt());
+        let missing = |row: usize| {
+            let (value, demand) = (solution.row_values[row], &self.rows[row]);
+            (row, (value - demand.upper).max(demand.lower - value))
+        };
+        level.rows().map(missing).filter(move |(_, missing)| *missing > rounding)
     }
 
     /// Returns the Frobenius norm of the equations.

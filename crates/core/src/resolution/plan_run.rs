@@ -126,7 +126,8 @@ impl PlanRun {
             solved = self.scale(problem, step, damping, solved);
         }
         if self.solution.certainty.is_optimal {
-            write_contradictions(problem, &self.levels, &self.solution, &mut solved, &mut self.contradictions);
+            let joints = problem.tasks.joint_count();
+            write_contradictions(&self.levels, joints, &self.solution, &mut solved, &mut self.contradictions);
         }
     }
 

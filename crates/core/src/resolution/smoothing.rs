@@ -18,8 +18,6 @@ use super::hierarchy::{Hierarchy, Level};
 use super::regularity::Regularity;
 use super::relaxed_levels::RelaxedLevels;
 use super::solution::Solution;
-use crate::linalg::dot;
-use crate::tolerances::TOLERANCES;
 
 /// The workspace of the blend.
 #[derive(Default)]
@@ -122,15 +120,7 @@ impl Smoothing {
 
 /// Returns the highest level that leaves a residual above rounding; `None` without one, or if it has damping rows.
 fn first_unmet_level(levels: &Hierarchy, solution: &Solution) -> Option<usize> {
-    let missing = |row: usize| {
-        let (value, demand) = (solution.row_values[row], &levels.rows[row]);
-        (value - demand.upper).max(demand.lower - value)
-    };
-    let speed = dot(&solution.x, &solution.x).sqrt();
-    let is_unmet = |level: &Level| {
-        let most = level.rows().map(missing).fold(0.0, f64::max);
-        most > TOLERANCES.proof_weight * levels.size(level, speed)
-    };
+    let is_unmet = |level: &Level| levels.missing_rows(solution, level).next().is_some();
     let first = levels.levels.iter().position(is_unmet)?;
     levels.levels[first].rows().all(|row| levels.rows[row].origin.is_some()).then_some(first)
 }

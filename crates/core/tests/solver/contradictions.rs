@@ -11,8 +11,8 @@ use crate::random::{Entries, Family, Random, hierarchy};
 /// Slacks above this fraction of the size of their level are contradictions, smaller ones rounding.
 const BROKEN: f64 = 1e-9;
 
-/// Returns the demands that a member stands for: a row of the contradicting task in full, a row of a higher task as far
-/// as the answer keeps it, so that an equation keeps the value that it achieves.
+/// Returns the demands that a member stands for: an inequality row of the contradicting task in full, one of a higher task as
+/// far as the answer keeps it, and an equation at the value that it achieves.
 fn demands(problem: &Problem, answer: &Resolution, task: Option<usize>, member: &Bound) -> Vec<Demand> {
     let velocity = &answer.joint_velocity;
     let side = member.side;
@@ -36,8 +36,8 @@ fn demands(problem: &Problem, answer: &Resolution, task: Option<usize>, member: 
             let coefficients: Vec<f64> = rows.jacobian.row(row).iter().copied().collect();
             let (lower, upper, value) = (rows.lower[row], rows.upper[row], answer.tasks[of].achieved[row]);
             let (lower, upper) = match (of == contradicting, lower == upper) {
-                (true, _) => (lower, upper),
-                (false, true) => (value, value),
+                (_, true) => (value, value),
+                (true, false) => (lower, upper),
                 (false, false) => (lower.min(value), upper.max(value)),
             };
             if lower == upper {
@@ -79,9 +79,10 @@ fn assert_named(hierarchy: &Hierarchy, problem: &Problem, answer: &Resolution) {
     assert_eq!(answer.solver.status, Status::Optimal);
     let velocity = answer.joint_velocity.as_slice();
     let named = |task| answer.contradictions.iter().any(|contradiction| contradiction.task == task);
-    for (k, slack) in hierarchy.slacks(velocity).into_iter().enumerate() {
-        let is_equation = hierarchy.levels[k].iter().all(|row| row.lower == row.upper);
-        let broken = !is_equation && slack > BROKEN * hierarchy.size(k, velocity);
+    for (k, rows) in hierarchy.levels.iter().enumerate() {
+        let missing = |row: &Row| (row.value(velocity) - row.upper).max(row.lower - row.value(velocity));
+        let slack = rows.iter().filter(|row| row.lower < row.upper).map(missing).fold(0.0, f64::max);
+        let broken = slack > BROKEN * hierarchy.size(k, velocity);
         assert_eq!(named(Some(k)), broken, "task {k} with slack {slack:e}: {:?}", answer.contradictions);
     }
     assert_eq!(named(None), answer.broken_constraints().next().is_some(), "{:?}", answer.contradictions);
@@ -173,6 +174,33 @@ fn named_members_among_many_rows_are_minimal() {
         assert_named(&hierarchy, &problem, &answer);
         assert!(!answer.contradictions.is_empty(), "seed {seed}");
     }
+}
+
+/// Lower levels use what several higher ones hold: equations that are missed, rows and limits.
+#[test]
+fn named_members_below_many_levels_are_minimal() {
+    let mut named = 0;
+    for seed in 0..300 {
+        let mut random = Random::new(seed);
+        let (n, entries) = (4 + random.below(9), random.pick(&[Entries::Normal, Entries::SmallIntegers]));
+        let mut level = |_| {
+            // Equations alone, inequalities alone, or both.
+            let (equations, inequalities) = random.pick(&[(n / 3, 0), (0, 2 * n), (n / 3, n)]);
+            let row = |random: &mut Random, is_equation: bool| {
+                let coefficients = (0..n).map(|_| random.entry(entries)).collect();
+                let bound = random.entry(entries) - 0.5;
+                Row { coefficients, lower: if is_equation { bound } else { f64::NEG_INFINITY }, upper: bound }
+            };
+            let inequalities = if inequalities > 0 { 1 + random.below(inequalities) } else { 0 };
+            (0..equations + inequalities).map(|i| row(&mut random, i < equations)).collect::<Vec<_>>()
+        };
+        let levels = (0..8).map(&mut level).collect();
+        let hierarchy = Hierarchy { lower: vec![-0.4; n], upper: vec![0.7; n], reference: vec![0.0; n], levels };
+        let answer = hierarchy.solve(&[]);
+        assert_named(&hierarchy, &hierarchy.problem(), &answer);
+        named += answer.contradictions.len();
+    }
+    assert!(named > 800, "the problems lack contradictions: {named}");
 }
 
 /// Returns the members of the only contradiction, those of equations without a side.
