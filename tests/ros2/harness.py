@@ -74,8 +74,15 @@ class Process:
         self.log.seek(0)
         return self.log.read()
 
+    def ask_to_end(self) -> None:
+        """Asks the process to end."""
+        with suppress(ProcessLookupError):
+            self.signal(signal.SIGINT)
+
     def end(self) -> None:
-        """Ends the process and its children at once."""
+        """Ends the process and its children, at once if it does not do so itself."""
+        with suppress(subprocess.TimeoutExpired):
+            self._popen.wait(1.0)
         with suppress(ProcessLookupError):
             self.signal(signal.SIGKILL)
         self._popen.wait()
@@ -130,7 +137,9 @@ class Lab:
         return path
 
     def end(self) -> None:
-        """Ends all processes."""
+        """Ends all processes. The middleware of one that ends itself says so to the others."""
+        for process in self.processes:
+            process.ask_to_end()
         for process in self.processes:
             process.end()
 
@@ -172,7 +181,7 @@ class Recorder:
 
     def restart(self) -> None:
         """Forgets the nodes of earlier tests, when the last message of them has arrived."""
-        until(lambda: time.monotonic() > self.heard_s + 0.2, "silence of the nodes of earlier tests")
+        until(lambda: time.monotonic() > self.heard_s + 0.5, "silence of the nodes of earlier tests")
         self.forget()
 
     def _spin(self) -> None:
@@ -254,11 +263,18 @@ class Recorder:
 
     def set_fault(self, fault: str) -> None:
         """Sets the fault of the simulator."""
-        until(self.simulator.service_is_ready, "the simulator has a parameter service")
         value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=fault)
-        call = self.simulator.call_async(SetParameters.Request(parameters=[Parameter(name="fault", value=value)]))
-        until(call.done, "the simulator sets its fault")
-        assert call.result().results[0].successful, call.result().results[0].reason
+        request = SetParameters.Request(parameters=[Parameter(name="fault", value=value)])
+
+        def answer() -> SetParameters.Response | None:
+            call = self.simulator.call_async(request)
+            # The killed simulator of an earlier test seems ready for a while, and the new one may miss the first call.
+            with suppress(AssertionError):
+                until(call.done, "an answer", 1.0)
+            return call.result()
+
+        result = until(answer, "the simulator sets its fault").results[0]
+        assert result.successful, result.reason
 
     def close(self) -> None:
         """Ends the recording."""
