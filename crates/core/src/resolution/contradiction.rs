@@ -208,20 +208,26 @@ impl<'a> Proofs<'a> {
                 }
                 continue;
             }
-            let direction = if is_gain { 1.0 } else { -1.0 };
-            let falling = self.basis.members().filter(|(.., t)| direction * t > negligible);
-            let lengths = falling.map(|(place, member, t)| (weights[member] / t.abs(), Some(place)));
-            let own = (if is_gain { f64::INFINITY } else { weights[next] }, None);
-            let (length, vanishing) = lengths.fold(own, |least, other| if other.0 < least.0 { other } else { least });
-            for (_, member, t) in self.basis.members() {
-                weights[member] = (weights[member] - direction * length * t).max(0.0);
-            }
-            weights[next] += direction * length;
-            if let Some(place) = vanishing {
+            if let Some(place) = self.move_weights(&mut weights, next, is_gain, negligible) {
                 self.basis.exchange(place, Place::Member(next));
             }
         }
         self.faces.len() > known
+    }
+
+    /// Moves weights along the dependency of `next` on the basis, towards `next` or away from it, until one of them vanishes;
+    /// returns its place, `None` if it is that of `next`.
+    fn move_weights(&self, weights: &mut [f64], next: usize, towards: bool, negligible: f64) -> Option<usize> {
+        let direction = if towards { 1.0 } else { -1.0 };
+        let falling = self.basis.members().filter(|(.., t)| direction * t > negligible);
+        let lengths = falling.map(|(place, member, t)| (weights[member] / t.abs(), Some(place)));
+        let own = (if towards { f64::INFINITY } else { weights[next] }, None);
+        let (length, vanishing) = lengths.fold(own, |least, other| if other.0 < least.0 { other } else { least });
+        for (_, member, t) in self.basis.members() {
+            weights[member] = (weights[member] - direction * length * t).max(0.0);
+        }
+        weights[next] += direction * length;
+        vanishing
     }
 
     /// Holds the members whose dependency was found: `next`, and those with negative t in the basis.
