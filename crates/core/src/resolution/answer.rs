@@ -129,18 +129,16 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy,
         ActiveBound { bound, value, multiplier: multiplier.abs() }
     };
     refill(&mut answer.active_bounds, bounds.filter(is_active).map(active));
+    // The rows of the constraints are the first ones, with length one.
+    let mut constraints = problem.constraint_rows();
     for &index in &levels.inequalities {
         let (row, multiplier) = (&levels.rows[index], solution.row_multipliers[index]);
+        let is_constraint = matches!(row.origin, Some(BoundId::Constraint { .. }));
+        let constraint = if is_constraint { constraints.next() } else { None };
         let Some(id) = row.origin.filter(|_| multiplier != 0.0) else { continue };
         let side = Side::of_multiplier(multiplier);
-        let (value, length) = match id {
-            // Constraints are the first rows of a problem, with length one.
-            BoundId::Constraint { .. } => {
-                let inequality = problem.constraint_rows().nth(index).map(|(_, inequality)| inequality);
-                inequality.map_or((f64::INFINITY, 1.0), |row| (row.bound(), row.coefficients().norm()))
-            }
-            _ => (row.bound(side), 1.0),
-        };
+        let (value, length) = constraint
+            .map_or((row.bound(side), 1.0), |(_, inequality)| (inequality.bound(), inequality.coefficients().norm()));
         let bound = Bound { id, side };
         answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
     }
