@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
-use revprio_api::wire::{Method, Solver};
+use revprio_api::wire::{self, Method, Solver};
 use revprio_lab::report::metrics::{Metrics, largest_difference};
-use revprio_lab::simulator::recording::{AtLimit, Recording, Sample};
+use revprio_lab::simulator::recording::{AtLimit, ContactEvent, Recording, Sample};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 fn scenario(name: &str) -> Scenario {
@@ -51,6 +51,11 @@ fn final_force(run: &Recording) -> f64 {
 
 fn speed(sample: &Sample) -> f64 {
     sample.joint_velocity.iter().map(|v| v.abs()).fold(0.0, f64::max)
+}
+
+/// Returns the distance between two places, m.
+fn distance(from: [f64; 3], to: [f64; 3]) -> f64 {
+    (0..3).map(|i| (from[i] - to[i]).powi(2)).sum::<f64>().sqrt()
 }
 
 fn exceeds_a_limit(sample: &Sample) -> bool {
@@ -194,6 +199,53 @@ fn polishing_keeps_a_steady_force_against_friction() {
         "{:?}",
         run.energy
     );
+}
+
+#[test]
+fn press_touches_a_wall_of_unknown_stiffness_once_and_settles() {
+    let run = served(&scenario("press"));
+    let touches: Vec<f64> = run
+        .samples
+        .windows(2)
+        .filter(|pair| pair[0].force[0] == 0.0 && pair[1].force[0] > 0.0)
+        .map(|pair| pair[1].time_s)
+        .collect();
+    let peak = largest(&run.samples, |s| s.force[0]);
+    assert!(touches.len() == 1 && (34.0..36.0).contains(&peak), "{touches:?} {peak}");
+    let settled = largest(between(&run, touches[0] + 0.1, 3.0), |s| (s.force[0] - 30.0).abs());
+    assert!(settled < 1.5, "{settled}");
+}
+
+#[test]
+fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
+    let followed = scenario("wiping");
+    let mut fixed = followed.clone();
+    let Some(wire::Law::Contact { surface, .. }) = &mut fixed.controller.tasks[0].law else {
+        unreachable!("it presses with the law `contact`")
+    };
+    *surface = None;
+    let normal = followed.contacts[0].normal.unwrap();
+    let pressed = |s: &Sample| -(0..3).map(|i| s.force[i] * normal[i]).sum::<f64>();
+    let error = |s: &Sample| (pressed(s) - 20.0).abs();
+    let lost = |run: &Recording| run.samples.iter().filter(|s| s.contacts.event[0] == ContactEvent::Loss).count();
+
+    let run = served(&followed);
+    assert!((pressed(&between(&run, 1.9, 2.0)[0]) - 22.07).abs() < 0.1);
+    let slides = &run.samples[2000..];
+    let slid = |s: &Sample| distance(s.position_error, slides[0].position_error);
+    let first_5_mm = slides.iter().position(|s| slid(s) > 5e-3).unwrap();
+    let least = -largest(&slides[..first_5_mm], |s| -pressed(s));
+    assert!((16.0..18.0).contains(&least), "{least}");
+    let later = &slides[first_5_mm..];
+    assert!(largest(later, error) < 0.4, "{}", largest(later, error));
+    let speed = later.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);
+    let speed = speed.fold(0.0, f64::max);
+    assert!((0.05..0.055).contains(&speed), "{speed}");
+    assert_eq!(lost(&run), 0);
+
+    let run = served(&fixed);
+    let peak = largest(&run.samples, pressed);
+    assert!(peak > 100.0 && lost(&run) > 0, "{peak}");
 }
 
 #[test]
