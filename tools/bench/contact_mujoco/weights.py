@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import mujoco
 import numpy as np
 import revprio
-from revprio.models import SineProfile
+from revprio.models import ContactLaw, SineProfile
 
 from contact_mujoco import pressing, scene
 from contact_mujoco.arm import Arm
@@ -80,8 +81,10 @@ class Heavy(Rig):
         """Returns the tasks of `push`, or the same with a tool that turns."""
         tasks = super().tasks()
         law = tasks[0].law
-        fields = {name: getattr(law, name) for name in law.model_fields_set} | {"bias": self._weight.left_n}
-        tasks[0] = tasks[0].model_copy(update={"law": type(law)(**fields)})
+        assert isinstance(law, ContactLaw)
+        fields: dict[str, Any] = {name: getattr(law, name) for name in law.model_fields_set}
+        law = ContactLaw(**(fields | {"bias": self._weight.left_n}))
+        tasks[0] = tasks[0].model_copy(update={"law": law})
         if not self._weight.turns:
             return tasks
         sway = SineProfile(offset=0.0, amplitude=TURN_RAD, angular_frequency_rad_s=1.0)
