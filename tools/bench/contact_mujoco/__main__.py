@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import functools
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -41,7 +40,7 @@ def parts(count: int, out: Path, options: argparse.Namespace) -> dict[str, Calla
         "grid": lambda: grid.tables(grid.read(out) if options.reuse else grid.measure(count, out)),
         "events": functools.partial(one, "events", events.settled_again),
         "moving": functools.partial(one, "moving", events.moving),
-        "wiping": functools.partial(one, "wiping", functools.partial(surfaces.wiping, options.surface)),
+        "wiping": functools.partial(one, "wiping", surfaces.wiping),
         **{name: functools.partial(one, name, table) for name, table in LIMITS.items()},
         "failures": functools.partial(one, "failures", grid.failures),
         "understated": functools.partial(one, "understated", functools.partial(events.understated, 2 * count)),
@@ -64,9 +63,6 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of results")
     parser.add_argument("--quick", action="store_true", help="few runs: a smoke test")
     parser.add_argument("--reuse", action="store_true", help="print the results of the last grid again")
-    parser.add_argument(
-        "--surface", type=json.loads, help="JSON of the field `surface` of the law, for more rows of `wiping`"
-    )
     parser.add_argument("--document", type=Path, help="Markdown file whose marked parts are replaced")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)

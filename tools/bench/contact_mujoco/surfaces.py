@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import mujoco
 import numpy as np
 import revprio
-from revprio.models import ContactLaw
 
 from contact_mujoco import pressing, scene
 from contact_mujoco.arm import Arm
@@ -29,6 +26,10 @@ CYCLE_S = np.pi * STROKE_M / SPEED
 """Time of the way to and fro, s."""
 TILTS = (0, 10, 20, 30)
 """Tilts of the planes, degrees."""
+SLIDING = (0.0, 0.2, 0.5)
+"""Coulomb friction µ of the surfaces."""
+MAX_TILT_RAD = np.pi / 4
+"""Largest tilt that the law estimates, rad: its default."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class Surface:
     """Tilt of a plane that rises along x, degrees; `None`: the cylinder."""
     is_known: bool = False
     """Whether the axes of the tasks are those of the tilted plane; otherwise those of the base."""
-    estimate: Mapping[str, object] | None = None
-    """The field `surface` of the law, which estimates the normal; `None`: without."""
+    is_estimated: bool = False
+    """Whether the law estimates the normal and turns the axes of the tasks with it."""
 
     @property
     def name(self) -> str:
@@ -90,7 +91,7 @@ class Wiping(Rig):
     def tasks(self) -> list[revprio.ControllerTask]:
         """Returns the tasks of the preset `wipe`."""
         terms, told = self.conditions, self.conditions.told
-        tasks = revprio.wipe(
+        return revprio.wipe(
             "z",
             -terms.target,
             "x",
@@ -101,13 +102,8 @@ class Wiping(Rig):
             period_s=terms.period_s,
             lag_s=told.lag_s,
             delay_periods=told.delay_periods,
+            max_tilt_rad=MAX_TILT_RAD if self.surface.is_estimated else None,
         )
-        if self.surface.estimate is not None:
-            law = tasks[0].law
-            assert isinstance(law, ContactLaw)
-            fields: dict[str, Any] = {name: getattr(law, name) for name in law.model_fields_set}
-            tasks[0].law = ContactLaw(**(fields | {"surface": self.surface.estimate}))
-        return tasks
 
     def normal(self, arm: Arm) -> Array:
         """Returns the normal of the surface below the tool."""
@@ -136,20 +132,18 @@ def row(surface: Surface, trace: Trace) -> list[object]:
     force = np.array(trace.force)[np.array(trace.time_s) > trace.time_s[-1] - CYCLE_S]
     losses = int(np.sum((force[:-1] > 0) & (force[1:] <= 0)))
     error = [100 * (value / TARGET_N - 1) for value in (force.min(), force.max())]
-    axes = "estimated" if surface.estimate is not None else "of the surface" if surface.is_known else "of the base"
+    axes = "estimated" if surface.is_estimated else "of the surface" if surface.is_known else "of the base"
     cells = [surface.name, surface.sliding, axes, f"{force.mean():.1f}", f"{force.min():.1f}, {force.max():.1f}"]
     return [*cells, f"{error[0]:+.0f}, {error[1]:+.0f}", losses, trace.fault or "–"]
 
 
-def wiping(estimate: Mapping[str, object] | None = None) -> str:
-    """Returns the table; `estimate`: the field `surface` of a third kind of runs."""
+def wiping() -> str:
+    """Returns the table."""
     surfaces = [
-        Surface(sliding, tilt, is_known=is_known)
-        for tilt, sliding, is_known in product(TILTS, (0.0, 0.2, 0.5), (False, True))
+        Surface(sliding, tilt, is_known=axes == "known", is_estimated=axes == "estimated")
+        for tilt, sliding, axes in product((*TILTS, None), SLIDING, ("base", "known", "estimated"))
+        if tilt is not None or axes != "known"
     ]
-    surfaces += [Surface(sliding, None) for sliding in (0.0, 0.2, 0.5)]
-    if estimate is not None:
-        surfaces += [Surface(s, tilt, estimate=estimate) for tilt, s in product((*TILTS, None), (0.0, 0.2, 0.5))]
     rows = [row(surface, wipe(surface)[0]) for surface in surfaces]
     head = ["surface", "µ", "axes of the tasks", "mean, N", "least, most N", "error, %", "losses", "fault"]
     return table(head, rows)

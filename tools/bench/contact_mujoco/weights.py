@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import mujoco
 import numpy as np
 import revprio
-from revprio.models import SineProfile
+from revprio.models import ContactLaw, SineProfile
 
 from contact_mujoco import pressing, scene
 from contact_mujoco.arm import Arm
@@ -38,6 +39,8 @@ class Weight:
     """Whether the controller subtracts the inertia of the tool."""
     turns: bool = False
     """Whether the tool turns to and fro about x of the base."""
+    left_n: float = 0.0
+    """`bias` of the law: the error that the controller is told to expect, N."""
 
 
 class Heavy(Rig):
@@ -77,6 +80,11 @@ class Heavy(Rig):
     def tasks(self) -> list[revprio.ControllerTask]:
         """Returns the tasks of `push`, or the same with a tool that turns."""
         tasks = super().tasks()
+        law = tasks[0].law
+        assert isinstance(law, ContactLaw)
+        fields: dict[str, Any] = {name: getattr(law, name) for name in law.model_fields_set}
+        law = ContactLaw(**(fields | {"bias": self._weight.left_n}))
+        tasks[0] = tasks[0].model_copy(update={"law": law})
         if not self._weight.turns:
             return tasks
         sway = SineProfile(offset=0.0, amplitude=TURN_RAD, angular_frequency_rad_s=1.0)
@@ -120,17 +128,16 @@ class Heavy(Rig):
 def weights() -> str:
     """Returns the table of tools with a weight."""
     rows = []
-    for mass, compensates in product((0.5, 1.0, 2.0), (False, True)):
-        for speed in (0.01, 0.1):
-            conditions = terms(PANDA, 1e4, speed=speed)
-            rig = Heavy(conditions, Weight(mass, mass, compensates))
-            try:
-                found = verdict(score(conditions, pressing.press(rig)))
-            except pressing.NoTouchError as error:
-                found = [f"does not arrive: {error}", "–", "–", "–", "–"]
-            cells = [mass, "yes" if compensates else "no", f"{100 * speed:.0f}"]
-            rows.append([*cells, rig.false_contacts, *found])
-    head = ["tool, kg", "inertia compensated", "approach, cm/s", "periods of false contact", *VERDICT]
+    for mass, compensates, left, speed in product((0.5, 1.0, 2.0), (False, True), (0.0, 1.0), (0.01, 0.1)):
+        conditions = terms(PANDA, 1e4, speed=speed)
+        rig = Heavy(conditions, Weight(mass, mass, compensates, left_n=left))
+        try:
+            found = verdict(score(conditions, pressing.press(rig)))
+        except pressing.NoTouchError as error:
+            found = [f"does not arrive: {error}", "–", "–", "–", "–"]
+        cells = [mass, "yes" if compensates else "no", f"{left:.0f}", f"{100 * speed:.0f}"]
+        rows.append([*cells, rig.false_contacts, *found])
+    head = ["tool, kg", "inertia compensated", "`bias`, N", "approach, cm/s", "periods of false contact", *VERDICT]
     return table(head, rows)
 
 
