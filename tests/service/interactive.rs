@@ -60,6 +60,15 @@ impl Viewer {
     }
 }
 
+/// Returns the samples of a whole run. It begins when somebody looks at it, because a run that has ended cannot be seen.
+fn all_samples(service: &Service, scenario: &str, change: impl FnOnce(&mut Value)) -> Vec<Value> {
+    let run = start(service, scenario, change, true);
+    let mut viewer = Viewer::open(service, &run);
+    viewer.next().unwrap();
+    control(service, &run, &json!({"paused": false}));
+    samples(&viewer.until(|frame| frame["run"]["state"] == "finished"))
+}
+
 fn samples(frames: &[Value]) -> Vec<Value> {
     frames.iter().flat_map(|frame| frame["samples"].as_array().unwrap().clone()).collect()
 }
@@ -136,16 +145,15 @@ fn samples_say_why_and_have_the_contacts_of_the_law_contact() {
         scenario["contacts"][0]["offset_m"] = json!(0.001);
         scenario["duration_s"] = json!(2.0);
     };
-    let run = start(&service, "stiff_wall", press, false);
-    let seen = samples(&Viewer::open(&service, &run).until(|frame| frame["run"]["state"] == "finished"));
+    let seen = all_samples(&service, "stiff_wall", press);
     let contacts = |sample: &Value| sample["contacts"].as_array().unwrap().clone();
     assert!(seen.iter().all(|sample| contacts(sample).len() == 1 && !sample["why"].as_array().unwrap().is_empty()));
     let last = contacts(seen.last().unwrap()).remove(0);
     assert_eq!((&last["task"], &last["row"], &last["state"]), (&json!(0), &json!(0), &json!("contact")), "{last}");
     assert!((last["force"].as_f64().unwrap() - 20.0).abs() < 1.0 && last["target_force"] == 20.0, "{last}");
     // Without `why` and without the law, samples do not become longer.
-    let plain = start(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.1), false);
-    let seen = samples(&Viewer::open(&service, &plain).until(|frame| frame["run"]["state"] == "finished"));
+    let seen = all_samples(&service, "stiff_wall", |scenario| scenario["duration_s"] = json!(0.1));
+    assert!(!seen.is_empty());
     assert!(seen.iter().all(|sample| sample.get("why").is_none() && sample.get("contacts").is_none()));
 }
 
