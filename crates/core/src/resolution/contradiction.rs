@@ -140,7 +140,8 @@ impl<'a> Proofs<'a> {
         }
         let mut members = self.members(level, solved);
         let mut proof = None;
-        // Weights can leave vectors that no face contains. These begin again with the weights that they had.
+        // Weights can leave vectors that no face contains. These begin again with the weights that they had. Each face holds a
+        // place of the basis, so that all levels together begin again n times at most.
         while self.pass(&mut members, &mut proof) {}
         self.basis.leave_members();
         for member in members.iter().filter(|member| member.is_held) {
