@@ -198,7 +198,7 @@ suite("drive", () => {
     const abort = new AbortController();
     const arm = new Arm(() => abort.abort());
     const report = await drive(await client.session(SLOW), arm, watchdog, abort.signal);
-    assert.ok(report.answered > 0 && report.answered <= report.periods);
+    assert.ok(report.steps > 0 && report.answered <= report.steps && report.steps <= report.periods);
     arm.assertBraked(LIMITS, arm.eventIndex);
   });
 
