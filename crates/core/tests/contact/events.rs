@@ -129,6 +129,39 @@ fn the_energy_of_losses_and_jumps_stays_below_the_tank_and_its_refill() {
     }
 }
 
+/// A tool whose inertia the sensor reads looks like a contact while it speeds up, and like a pull while it brakes.
+#[test]
+fn a_tool_of_half_a_kilogram_arrives_although_its_inertia_is_not_compensated() {
+    let drives = [(0.005, 0, 0.001), (0.01, 1, 0.002), (0.02, 2, 0.008)];
+    for (speed, drive) in [0.01, 0.03, 0.1].into_iter().flat_map(|speed| drives.map(|drive| (speed, drive))) {
+        for soft in [None, Some((5.0, 400.0)), Some((5.0, 150.0))] {
+            for seed in 1..=10 {
+                let terms = Conditions::new(1e4, speed, drive).seeded(seed);
+                let found = press(&Conditions { tool_mass: 0.5, at_rest: true, soft, ..terms });
+                let is_late = found.settling > 0.5 + terms.travel();
+                let case = format!("{speed} {drive:?} {soft:?} {seed}: {found:?}");
+                assert!(found.settled && !found.fault && !is_late && found.losses == 0, "{case}");
+            }
+        }
+    }
+}
+
+/// Who changes the sign of the target while the tool presses starts a law on the wrong side of the surface.
+#[test]
+fn a_law_that_begins_on_the_wrong_side_of_a_surface_stays_where_it_is() {
+    for stiffness in [1e4, 1e5, 1e6] {
+        let terms = Conditions { sign: -1.0, at_rest: true, ..Conditions::new(stiffness, 0.03, (0.01, 1, 0.002)) };
+        let mut law = Pressing::new(&terms);
+        // The surface pushes against the tool's back, with 30 N and more as the tool retreats.
+        for k in 0..500 {
+            let reading = -(30.0 - stiffness * law.axis().position);
+            law.command(reading, [law.axis().position, 0.0]);
+            assert_eq!(law.axis().phase, ContactPhase::Fault(FaultCause::Pull), "period {k}");
+            assert!(law.axis().position == 0.0, "{stiffness}, period {k}: {:?}", law.axis());
+        }
+    }
+}
+
 /// A controller whose readings stay the same from a force on.
 struct Sticking {
     law: Pressing,

@@ -38,7 +38,7 @@ impl Pressing {
 
     /// The law that is told this drive and these settings.
     pub fn told(terms: &Conditions, drive: Drive, settings: ContactSettings) -> Self {
-        let speed = settings.approach_speed.unwrap_or(0.0);
+        let speed = if terms.at_rest { 0.0 } else { settings.approach_speed.unwrap_or(0.0) };
         let profile = Profile::constant(vec![terms.target]).unwrap();
         Self {
             law: ContactLaw::new(profile, vec![settings]).unwrap(),

@@ -18,6 +18,9 @@ pub use random_wall::STIFFNESS;
 /// Speed with which F_d fills the tank of the law up, m/s.
 const REFILL_SPEED: f64 = 0.05;
 
+/// Way to the wall of a tool that starts at rest, m.
+const AWAY: f64 = 0.02;
+
 /// What happens to the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
@@ -70,6 +73,10 @@ pub struct Conditions {
     pub sign: f64,
     /// Coulomb friction of the drive with backlash, m: the tool follows only beyond this play.
     pub backlash: f64,
+    /// Mass of a tool beyond the sensor, kg, whose inertia is not compensated.
+    pub tool_mass: f64,
+    /// Whether the tool starts at rest, 20 mm before the wall.
+    pub at_rest: bool,
     /// F_d, N.
     pub target: f64,
     /// Time after the travel, s.
@@ -96,6 +103,8 @@ impl Conditions {
             bias: 0.0,
             sign: 1.0,
             backlash: 0.0,
+            tool_mass: 0.0,
+            at_rest: false,
             target: 30.0,
             hold: 1.6,
             event: Event::None,
@@ -123,7 +132,8 @@ impl Conditions {
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
             Event::Random(t, time) => (t, time),
         };
-        0.02 + self.hold + 1.5 * self.travel() + event + lasts
+        let way = if self.at_rest { AWAY / self.speed } else { 0.02 };
+        way + self.hold + 1.5 * self.travel() + event + lasts
     }
 }
 
@@ -236,6 +246,7 @@ impl Plant<'_> {
         let velocity = active + (v - active) * remaining;
         let moved = if terms.lag > 0.0 { 0.5 * (v + velocity) * dt } else { active * dt };
         self.reference = [x + moved, velocity];
+        let speed_before = self.tool[1];
         let force = match terms.soft {
             None => {
                 let play = terms.backlash;
@@ -261,8 +272,9 @@ impl Plant<'_> {
                 force
             }
         };
-        self.reading =
-            force + (self.reading - force) * if terms.sensor_lag > 0.0 { (-dt / terms.sensor_lag).exp() } else { 0.0 };
+        let sensed = force + terms.tool_mass * (self.tool[1] - speed_before) / dt;
+        self.reading = sensed
+            + (self.reading - sensed) * if terms.sensor_lag > 0.0 { (-dt / terms.sensor_lag).exp() } else { 0.0 };
         self.time += dt;
         force
     }
@@ -298,12 +310,13 @@ fn substeps(terms: &Conditions) -> usize {
 pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl FnMut([f64; 4])) -> Outcome {
     let n = substeps(terms);
     let dt = terms.period / n as f64;
-    let start = -terms.speed * (0.02 + terms.phase * terms.period);
+    let speed = if terms.at_rest { 0.0 } else { terms.speed };
+    let start = if terms.at_rest { -AWAY } else { -terms.speed * (0.02 + terms.phase * terms.period) };
     let mut plant = Plant {
         terms,
-        queue: std::iter::repeat_n(terms.speed, terms.delay).collect(),
-        reference: [start, terms.speed],
-        tool: [start, terms.speed],
+        queue: std::iter::repeat_n(speed, terms.delay).collect(),
+        reference: [start, speed],
+        tool: [start, speed],
         time: 0.0,
         depth_at_event: None,
         random: match terms.event {

@@ -63,7 +63,7 @@ pub struct ContactAxis {
     pub lack: f64,
     /// Clock of a held contact, s: it counts while the force is near its target, and runs back while it is away.
     pub hold_time: f64,
-    /// Largest speed of the way back to a lost surface, m/s.
+    /// Largest speed of the way back to a lost surface, and up to which an approach speeds up at once, m/s.
     pub return_speed: f64,
     /// Energy of the tank that is spent, J.
     pub spent: f64,

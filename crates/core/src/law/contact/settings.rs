@@ -24,6 +24,12 @@ const MAX_ACCELERATION: f64 = 5.0;
 /// f_off as a share of f₅. A force of f₅/2 that stays where nothing is pressed is then noticed in spite of noise, and one of f₅ is not lost.
 const RELEASE: f64 = 0.65;
 
+/// Mass of a tool that does not look like a contact when an approach begins, kg.
+const TOOL_MASS: f64 = 1.0;
+
+/// Smallest acceleration with which an approach begins, m/s²: with a sensor of little noise.
+const SLOWEST_START: f64 = 0.5;
+
 /// Fastest surface that the law follows for long, m/s. It limits the power that the law gives to the surface.
 const FOLLOWED_SPEED: f64 = 0.05;
 
@@ -99,6 +105,13 @@ impl ContactSettings {
     /// Returns whether the axis is one of rotation.
     pub fn is_angular(&self) -> bool {
         self.metre != 1.0
+    }
+
+    /// Returns the acceleration with which an approach begins, m/s²: a tool of 1 kg that is not compensated stays below f₃, and no approach
+    /// takes more than 0.5 m/s² away.
+    pub(super) fn approach_acceleration(&self) -> f64 {
+        let inertia = TOOL_MASS / (self.metre * self.metre);
+        (self.suspicion() / inertia).max(SLOWEST_START * self.metre)
     }
 
     /// Returns f₃ = 3 σ + b, the force from which a contact is suspected, N.

@@ -18,6 +18,9 @@ const STOP_SHARE: f64 = 0.8;
 /// Periods without any force after which the next touch is slower.
 const BRIEF: f64 = 0.5;
 
+/// Periods of full acceleration with which an approach resumes after a suspicion.
+const RESUMED: f64 = 2.0;
+
 /// Periods of suspicion that are a contact, if the reaction time is shorter.
 const SUSPICIONS: f64 = 2.0;
 
@@ -101,8 +104,27 @@ impl Step<'_> {
         self.give_up_lost_surface();
         let wanted = self.wanted(speed);
         let most = self.input.acceleration * self.timing.period;
-        let velocity = wanted.clamp(self.input.last_velocity - most, self.input.last_velocity + most);
+        let faster = self.most_faster();
+        let velocity = wanted.clamp(self.input.last_velocity - most, self.input.last_velocity + faster);
         (self.within_tank(velocity), self.report(speed, before))
+    }
+
+    /// Returns by how much the velocity may grow in this period, m/s.
+    ///
+    /// An approach begins gently: the inertia of a tool looks like a contact. Up to a speed that it had, or that of a way back, it returns
+    /// at once, so that noise which looks like a contact costs no time.
+    fn most_faster(&mut self) -> f64 {
+        let AxisInput { force, acceleration, last_velocity, .. } = self.input;
+        let most = acceleration * self.timing.period;
+        if self.axis.phase != ContactPhase::Approach {
+            return most;
+        }
+        let had = self.axis.return_speed;
+        let is_suspected = force > self.settings.suspicion();
+        let known = if is_suspected { had.min(last_velocity + RESUMED * most) } else { had.max(last_velocity) };
+        self.axis.return_speed = known.max(0.0);
+        let gently = self.settings.approach_acceleration() * self.timing.period;
+        (self.axis.return_speed - last_velocity).clamp(gently.min(most), most)
     }
 
     /// Returns v_app, m/s.
@@ -258,6 +280,8 @@ impl Step<'_> {
                 let is_pressed = is_believed && force.abs() > settings.threshold();
                 let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
                 let end = axis.fault_position - way * settings.metre;
+                // A pull on a tool that has not moved forward may be a surface behind it, on which a retreat would press.
+                let end = if cause == FaultCause::Pull { end.max(axis.fault_position.min(0.0)) } else { end };
                 let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
                 if axis.position + to_rest > end { -speed } else { 0.0 }
             }
