@@ -36,6 +36,12 @@ pub enum TransitionError {
     /// The new controller ignores limits, so nothing bounds its first command.
     #[error("the solver `closed_form` ignores limits, so the command would jump; use `auto` or `qp`")]
     IgnoresLimits,
+    /// A contact law reverses its direction while it presses: it would begin behind the surface.
+    #[error("the task presses on a surface, and its target force would reverse; let the tool leave the surface first")]
+    Reverses {
+        /// Index of the task in the new controller.
+        task: usize,
+    },
     /// The posture does not fit the robot.
     #[error(transparent)]
     Configuration(#[from] ConfigurationError),
@@ -60,6 +66,7 @@ impl Controller {
         let (old, new) = (previous.config(), self.config());
         self.check_transition(previous)?;
         memory.check(old)?;
+        check_directions(memory, old, new)?;
         let to_rest = |joint| memory.drive.distance_to_rest(old.drive, joint, old.period_s);
         let rest: Vec<f64> = joint_position.iter().enumerate().map(|(joint, q)| q + to_rest(joint)).collect();
         let mut arm = new.allocate_arm()?;
@@ -126,6 +133,25 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
 fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
     let known = |name: &str| memory.channels.get(old.channels.iter().position(|channel| channel.name == name)?);
     new.channels.iter().map(|channel| known(&channel.name).cloned().unwrap_or_default()).collect()
+}
+
+/// Checks that no contact law which presses reverses its direction.
+fn check_directions(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Result<(), TransitionError> {
+    for (task, config) in new.tasks.iter().enumerate() {
+        let Some(law) = config.law.contact() else { continue };
+        let same = task_index(old, &config.name).filter(|&k| old.tasks[k].rows == config.rows);
+        let Some((before, axes)) =
+            same.and_then(|k| Some((old.tasks[k].law.contact()?, old.contacts_of(k, &memory.contacts)?)))
+        else {
+            continue;
+        };
+        let presses = |axis: &ContactAxis| matches!(axis.phase, ContactPhase::Contact | ContactPhase::Loss);
+        let reverses = |row: usize| law.direction(row) != before.direction(row) && presses(&axes[row]);
+        if (0..law.rows()).any(reverses) {
+            return Err(TransitionError::Reverses { task });
+        }
+    }
+    Ok(())
 }
 
 /// Returns the contacts of the tasks that stay with their name, their rows and the contact law; others start. A fault ends: who

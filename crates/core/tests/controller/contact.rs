@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use revprio_core::controller::{Controller, ControllerConfig, Memory, Stepper, TaskConfig};
+use revprio_core::controller::{Controller, ControllerConfig, Memory, Stepper, TaskConfig, TransitionError};
 use revprio_core::law::{
-    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law,
+    AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law, unavoidable_peak,
 };
 use revprio_core::limits::Drive;
 use revprio_core::streaming::{StreamedTarget, StreamedValue};
@@ -146,7 +146,12 @@ fn two_directions_press_at_once() {
     world.run(2.0, 1);
     let [x, _, z] = world.force;
     assert!((x - 20.0).abs() < 0.1 && (z + 10.0).abs() < 0.1, "{:?}", world.force);
-    assert!(world.peak[0] < 24.0 && world.peak[2] < 12.0, "{:?}", world.peak);
+    // Every impact has its moment in a period, and costs at least the unavoidable peak of it.
+    let timing = ContactTiming::new(PERIOD, DRIVE, settings.sensor_lag, 0.0);
+    let unavoidable = |stiffness| unavoidable_peak(&settings, &timing, (stiffness, settings.max_acceleration), 0.02);
+    let allowed =
+        [(20.0, 2e4), (10.0, 5e4)].map(|(target, stiffness)| f64::max(1.2 * target, 1.1 * unavoidable(stiffness)));
+    assert!(world.peak[0] < allowed[0] && world.peak[2] < allowed[1], "{:?} {allowed:?}", world.peak);
 }
 
 /// The law is told the velocity that the joints achieve, so it does not wind up, and reaches its force all the same.
@@ -298,8 +303,13 @@ fn the_same_controller_goes_on_from_its_contact_and_ends_a_fault() {
     assert_eq!(kept.contacts[0].phase, ContactPhase::Approach);
     let settings = ContactSettings { approach_speed: Some(0.01), ..settings };
     let up = vec![task(&[Axis::Z], contact(&[30.0], settings)), task(&OTHERS, position(5, 3.0))];
-    let reversed = pressing(&robot, up).continue_from(&first, &memory, &world.arm.q).unwrap();
-    assert_eq!(reversed.contacts, [ContactAxis::START], "the memory is along the pressing direction");
+    let reversed = pressing(&robot, up);
+    let refused = reversed.continue_from(&first, &memory, &world.arm.q).unwrap_err();
+    assert_eq!(refused, TransitionError::Reverses { task: 0 });
+    let mut free = memory.clone();
+    free.contacts[0].phase = ContactPhase::Approach;
+    let started = reversed.continue_from(&first, &free, &world.arm.q).unwrap();
+    assert_eq!(started.contacts, [ContactAxis::START], "the memory is along the pressing direction");
     let mut damaged = memory;
     damaged.contacts[0].estimate.upper = f64::NAN;
     let mut measured = world.arm.measure(world.time);

@@ -84,6 +84,9 @@ pub fn transition_error(error: &TransitionError) -> ApiError {
         TransitionError::Period { .. } => "/period_s",
         TransitionError::Drive => "/drive",
         TransitionError::IgnoresLimits => "/solver",
+        TransitionError::Reverses { task } => {
+            return ApiError::invalid(format!("/tasks/{task}/law/target_force"), error);
+        }
         TransitionError::Configuration(_) | TransitionError::Memory(_) => "",
     };
     ApiError::invalid(field, error)
