@@ -33,6 +33,14 @@ pub enum CliError {
     /// A preset gives no tasks.
     #[error(transparent)]
     Preset(#[from] revprio_api::presets::PresetError),
+    /// The service refuses a controller that presses.
+    #[error("{option}: {detail}")]
+    Press {
+        /// The option that is wrong.
+        option: &'static str,
+        /// What is wrong with it.
+        detail: String,
+    },
     /// A robot file is not valid.
     #[error(transparent)]
     RobotFile(#[from] RobotFileError),

@@ -1,12 +1,30 @@
 //! `revprio push` and `revprio wipe`
 
+use revprio_api::ClientError;
 use revprio_api::presets::{PressOptions, WipeOptions, push, wipe};
 use revprio_api::wire::{Axis, ControllerTask, Frame};
-use serde_json::{Value, json};
+use revprio_local::json::read;
+use serde_json::json;
 
 use super::error::CliError;
 use super::one_of::one_of;
-use super::output::print_text;
+use super::output::{print_remark, print_text};
+use super::service_choice::{CalledService, server_address};
+use super::target::Target;
+
+/// Beginnings of the places in the body, and the options that they come from.
+const OPTIONS: [(&str, &str); 10] = [
+    ("/robot", "--robot, or --server for the robots of a service"),
+    ("/period_s", "--period-s"),
+    ("/drive/lag_s", "--lag-s"),
+    ("/drive/delay_periods", "--delay-periods"),
+    ("/tasks/0/law/target_force", "--newtons"),
+    ("/tasks/0/law/approach_speed", "--approach-speed"),
+    ("/tasks/0/law/stiffest", "--stiffest"),
+    ("/tasks/0/law/max_force", "--max-force"),
+    ("/tasks/1/law/target_displacement/angular_frequency_rad_s", "--speed over --stroke-m"),
+    ("/tasks/1/law/target_displacement", "--stroke-m"),
+];
 
 /// Force and arm of both commands.
 #[derive(Debug, clap::Args)]
@@ -17,7 +35,7 @@ struct Press {
     /// Target force on the environment, N, or N·m for an axis of rotation; its sign is the direction in which the tool presses
     #[arg(long)]
     newtons: f64,
-    /// Name of the robot
+    /// Name of a built-in robot, or of a robot of the service at --server
     #[arg(long)]
     robot: String,
     /// Axes that a further task holds, all others if left out
@@ -41,6 +59,9 @@ struct Press {
     /// Force at which the tool leaves, N; if left out, none
     #[arg(long)]
     max_force: Option<f64>,
+    /// Service that checks the controller, for example http://127.0.0.1:8080; if left out, the command checks it
+    #[arg(long, value_parser = server_address)]
+    server: Option<String>,
 }
 
 impl Press {
@@ -56,11 +77,39 @@ impl Press {
         }
     }
 
-    /// Prints the body of `POST /v1/controllers`.
+    /// Prints the body of `POST /v1/controllers`, if the service accepts it.
     fn print(&self, tasks: &[ControllerTask]) -> Result<(), CliError> {
         let drive = json!({"lag_s": self.lag_s, "delay_periods": self.delay_periods});
-        let body: Value = json!({"robot": self.robot, "period_s": self.period_s, "drive": drive, "tasks": tasks});
-        Ok(print_text(format_args!("{body:#}\n"))?)
+        let body = json!({"robot": self.robot, "period_s": self.period_s, "drive": drive, "tasks": tasks});
+        let body = format!("{body:#}\n");
+        self.check(&body)?;
+        Ok(print_text(body)?)
+    }
+
+    /// Creates the controller and prints its warnings. The session for this check is closed at once.
+    fn check(&self, body: &str) -> Result<(), CliError> {
+        let unread = |problem| ClientError::Refused { url: "the service".to_owned(), problem: Box::new(problem) };
+        let controller = read(body.as_bytes()).map_err(|error| named(unread(error.into_wire())))?;
+        let service = match &self.server {
+            Some(url) => CalledService::Http(Target::open(Some(url))?),
+            None => CalledService::in_process(None)?,
+        };
+        let created = service.calls().create_controller(&controller).map_err(named)?;
+        service.calls().delete_controller(&created.id)?;
+        for warning in created.warnings {
+            print_remark(format_args!("warning: {warning}"));
+        }
+        Ok(())
+    }
+}
+
+/// Names the option that a refused field comes from.
+fn named(error: ClientError) -> CliError {
+    let ClientError::Refused { problem, .. } = &error else { return error.into() };
+    let place = problem.pointer.as_deref().unwrap_or_default();
+    match OPTIONS.iter().find(|(begin, _)| place.starts_with(begin)) {
+        Some((_, option)) => CliError::Press { option, detail: problem.detail.clone() },
+        None => error.into(),
     }
 }
 

@@ -86,13 +86,19 @@ pub enum PresetError {
     /// The motion is none along the surface.
     #[error("the motion must be along x, y or z, and along another axis than the one along which the tool presses")]
     Along,
+    /// An axis to hold has another task.
+    #[error("the axis `{0}` presses or moves already; leave it out of the axes to hold")]
+    Held(Axis),
+    /// An axis to hold is given more than once.
+    #[error("the axis `{0}` is there twice among the axes to hold; give it once")]
+    HeldTwice(Axis),
 }
 
 /// Returns the tasks that press with a force (N, N·m for an axis of rotation) along one axis of the base and hold the others. The law
 /// `contact` needs no stiffness.
 pub fn push(axis: Axis, newtons: f64, options: &PressOptions) -> Result<Vec<ControllerTask>, PresetError> {
     let mut tasks = vec![task("push", vec![axis], Frame::Base, contact(newtons, options)?)];
-    tasks.extend(hold(&[axis], Frame::Base, options));
+    tasks.extend(hold(&[axis], Frame::Base, options)?);
     Ok(tasks)
 }
 
@@ -121,7 +127,7 @@ pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Res
         *surface = tilt.map(|tilt| SurfaceFollowing { max_tilt_rad: Some(tilt) });
     }
     let mut tasks = vec![task("push", vec![axis], *frame, pressing), task("wipe", vec![along], *frame, sweep)];
-    tasks.extend(hold(&[axis, along], *frame, press));
+    tasks.extend(hold(&[axis, along], *frame, press)?);
     Ok(tasks)
 }
 
@@ -166,10 +172,18 @@ fn pose(displacement: Option<Profile>, options: &PressOptions) -> Law {
 }
 
 /// Returns the task that holds what the others do not move, unless nothing is left.
-fn hold(moved: &[Axis], frame: Frame, options: &PressOptions) -> Option<ControllerTask> {
+fn hold(moved: &[Axis], frame: Frame, options: &PressOptions) -> Result<Option<ControllerTask>, PresetError> {
     let rest = || Axis::ALL.into_iter().filter(|axis| !moved.contains(axis)).collect();
     let axes: Vec<Axis> = options.hold.clone().unwrap_or_else(rest);
-    (!axes.is_empty()).then(|| task("hold", axes, frame, pose(None, options)))
+    for (k, axis) in axes.iter().enumerate() {
+        if moved.contains(axis) {
+            return Err(PresetError::Held(*axis));
+        }
+        if axes[..k].contains(axis) {
+            return Err(PresetError::HeldTwice(*axis));
+        }
+    }
+    Ok((!axes.is_empty()).then(|| task("hold", axes, frame, pose(None, options))))
 }
 
 fn task(name: &str, axes: Vec<Axis>, frame: Frame, law: Law) -> ControllerTask {
