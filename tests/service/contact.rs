@@ -171,6 +171,8 @@ fn wrong_numbers_of_the_law_are_refused_with_their_place() {
     refused("noise", json!(-1));
     refused("bias", json!(-1));
     refused("sensor_lag_s", json!(-1));
+    // 5 ms in a wrong unit.
+    refused("sensor_lag_s", json!(5));
     refused("target_force", json!({"kind": "constant", "value": 0}));
     let mut list = law();
     list["noise"] = json!([0.2, 0.2]);

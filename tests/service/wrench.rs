@@ -249,6 +249,7 @@ fn sensors_that_are_none_are_refused_by_their_fields() {
         (json!({"payload": {"mass_kg": 1e5}}), "/wrench_sensor/payload/mass_kg"),
         (json!({"payload": {"mass_kg": 1, "center_of_mass": [60, 0, 500]}}), "/wrench_sensor/payload/center_of_mass"),
         (json!({"filter_time_s": -0.1}), "/wrench_sensor/filter_time_s"),
+        (json!({"filter_time_s": 5}), "/wrench_sensor/filter_time_s"),
         (json!({"deadband_n": -1}), "/wrench_sensor/deadband_n"),
         (json!({"bias": {"force": [0, 0, 1e30], "torque": [0, 0, 0]}}), "/wrench_sensor/bias/force/2"),
         (

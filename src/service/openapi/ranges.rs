@@ -6,7 +6,7 @@ use revprio_api::wire;
 use revprio_core::channel::{MAX_CHANNEL_TARGETS, MAX_CHANNELS};
 use revprio_core::collision::MAX_OBSTACLES;
 use revprio_core::controller::{LINE_INTERVALS, MAX_DELAY_PERIODS, TIMES_AHEAD};
-use revprio_core::law::ContactSettings;
+use revprio_core::law::{ContactLaw, ContactSettings};
 use revprio_core::limits::MAX_DRIVE_DELAY;
 use revprio_core::payload::MIN_POSTURES;
 use revprio_core::streaming::{
@@ -215,7 +215,7 @@ fn law_ranges() -> Vec<FieldRange> {
             stiffest: Positive,
             noise: PositiveUpTo(ContactSettings::MOST_NOISE),
             bias: Between(0.0, ContactSettings::MOST_BIAS),
-            sensor_lag_s: NotNegative,
+            sensor_lag_s: Between(0.0, ContactLaw::MOST_SENSOR_LAG),
             max_force: Positive,
             retreat_speed: Positive,
             max_acceleration: Positive,

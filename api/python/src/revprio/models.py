@@ -2153,7 +2153,7 @@ class ContactLaw(Tagged):
       tasks, and after the limits of the joints; default: none.
     - noise: Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m.
     - retreat_speed: Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
-    - sensor_lag_s: Time constant of the filter of the force sensor, s; default 0.002.
+    - sensor_lag_s: Time constant of the filter of the force sensor, s; at most 1; default 0.002.
     - stiffest: Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface
       in a row. Set it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad.
     - surface: Follows the normal of a surface whose direction is not known: all tasks in the `frame` of this one
@@ -2184,7 +2184,7 @@ class ContactLaw(Tagged):
     retreat_speed: ArrayLike | None = None
     """Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s."""
     sensor_lag_s: float | None = None
-    """Time constant of the filter of the force sensor, s; default 0.002."""
+    """Time constant of the filter of the force sensor, s; at most 1; default 0.002."""
     stiffest: ArrayLike | None = None
     """Stiffness of the stiffest contact that may come, N/m and N·m/rad, of tool, sensor, arm and surface in a row. Set
     it to approach faster; a contact that is stiffer may bounce; default 1e6 N/m and 1e4 N·m/rad."""
@@ -2570,7 +2570,7 @@ class WrenchSensor(Body):
     - deadband_n: Forces that are shorter count as zero, N; default 0.
     - deadband_nm: Torques that are shorter count as zero, N·m; default 0.
     - filter_time_s: Time constant of a first-order low-pass, s. The law `contact` counts its lag. Set it only for a
-      noisy sensor: it costs speed. Default 0, none.
+      noisy sensor: it costs speed. At most 1; default 0, none.
     - gravity: Acceleration of gravity along the axes of the base, m/s². Set it for an arm on a wall or a ceiling;
       default [0, 0, -9.81]. Shape: 3.
     - payload: What the sensor carries: all that moves with the tool; default: nothing.
@@ -2590,7 +2590,7 @@ class WrenchSensor(Body):
     """Torques that are shorter count as zero, N·m; default 0."""
     filter_time_s: float | None = None
     """Time constant of a first-order low-pass, s. The law `contact` counts its lag. Set it only for a noisy sensor: it
-    costs speed. Default 0, none."""
+    costs speed. At most 1; default 0, none."""
     gravity: Vector | None = None
     """Acceleration of gravity along the axes of the base, m/s². Set it for an arm on a wall or a ceiling; default [0,
     0, -9.81]. Shape: 3."""

@@ -107,7 +107,7 @@ pub enum Law {
         /// contact; at most 100 N and 10 N·m; default 0.
         #[serde(skip_serializing_if = "Option::is_none")]
         bias: Option<PerAxis<f64>>,
-        /// Time constant of the filter of the force sensor, s; default 0.002.
+        /// Time constant of the filter of the force sensor, s; at most 1; default 0.002.
         #[serde(skip_serializing_if = "Option::is_none")]
         sensor_lag_s: Option<f64>,
         /// Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and after the limits

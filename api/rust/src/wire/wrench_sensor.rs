@@ -34,7 +34,7 @@ pub struct WrenchSensor {
     #[schema(example = true)]
     pub compensate_inertia: bool,
     /// Time constant of a first-order low-pass, s. The law `contact` counts its lag. Set it only for a noisy sensor: it costs speed.
-    /// Default 0, none.
+    /// At most 1; default 0, none.
     #[serde(default, skip_serializing_if = "defaults::is_default")]
     #[schema(example = 0.002)]
     pub filter_time_s: f64,

@@ -3,6 +3,7 @@
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_api::wire;
 use revprio_core::controller::{Command, ControllerConfig};
+use revprio_core::law::ContactLaw;
 use revprio_core::wrench::{
     Load, SensorState, Tare, TareError, TareReading, Wrench, WrenchSensor, WrenchSensorError, tare,
 };
@@ -20,8 +21,8 @@ pub const MAX_PAYLOAD_KG: f64 = 1e4;
 /// Maximum distance of a centre of mass from its sensor along an axis, m.
 const MAX_CENTER_M: f64 = 100.0;
 
-/// Maximum time constant of a low-pass, s.
-pub const MAX_FILTER_S: f64 = 10.0;
+/// Maximum time constant of a low-pass, s, as of the sensor itself.
+pub const MAX_FILTER_S: f64 = ContactLaw::MOST_SENSOR_LAG;
 
 /// Maximum number of readings in a request. Their kinematics take a millisecond.
 pub const MAX_READINGS: usize = 1000;

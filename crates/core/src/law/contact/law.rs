@@ -56,6 +56,9 @@ pub enum ContactLawError {
 }
 
 impl ContactLaw {
+    /// Largest time constant of the force sensor, s. A sensor has milliseconds.
+    pub const MOST_SENSOR_LAG: f64 = 1.0;
+
     /// Checks and builds a law with F_d = `target_force` (N, N·m) and the settings of each axis.
     pub fn new(target_force: Profile, axes: Vec<ContactSettings>) -> Result<Self, ContactLawError> {
         let (expected, given) = (axes.len(), target_force.rows());
@@ -142,7 +145,7 @@ fn check(row: usize, settings: &ContactSettings) -> Result<(), ContactLawError> 
         ("approach_speed", speed, finite(speed), positive),
         ("noise", noise, finite(noise) && noise <= most_noise, "positive, and at most 10 N or 1 N·m"),
         ("bias", bias, (0.0..=most_bias).contains(&bias), "from 0 to 100 N or 10 N·m"),
-        ("sensor_lag_s", sensor_lag, sensor_lag.is_finite() && sensor_lag >= 0.0, "zero or positive"),
+        ("sensor_lag_s", sensor_lag, (0.0..=ContactLaw::MOST_SENSOR_LAG).contains(&sensor_lag), "from 0 to 1 s"),
         ("stiffest", stiffest, stiffest.is_finite() && stiffest >= settings.softest, "at least 300 N/m or 3 N·m/rad"),
         ("max_force", max_force, max_force > settings.threshold(), "larger than 5 times `noise` plus `bias`"),
         ("retreat_speed", retreat_speed, finite(retreat_speed), positive),
