@@ -232,6 +232,72 @@ fn numbers_that_contradict_each_other_are_warned_about() {
 }
 
 #[test]
+fn a_target_that_changes_its_sign_is_warned_about() {
+    let service = Service::start();
+    let warnings = |target: Value| {
+        let mut law = law();
+        law["target_force"] = target;
+        service.call("/v1/controllers", &controller(&law))["warnings"].to_string()
+    };
+    let sine = |offset: f64, amplitude: f64| {
+        warnings(json!({"kind": "sine", "offset": offset, "amplitude": amplitude, "angular_frequency_rad_s": 2}))
+    };
+    let ends = |last: f64| {
+        let points = json!([{"time_s": 0, "value": 0}, {"time_s": 1, "value": -20}, {"time_s": 2, "value": last}]);
+        warnings(json!({"kind": "waypoints", "points": points}))
+    };
+    let part =
+        "the target force changes its sign, from -20 to 5, and the tool presses with 1 in the direction of -20 instead";
+    for warned in [sine(-7.5, 12.5), ends(5.0)] {
+        assert!(warned.contains(part), "{warned}");
+    }
+    for quiet in [sine(-10.0, 10.0), ends(0.0), ends(-5.0)] {
+        assert!(!quiet.contains("changes its sign"), "{quiet}");
+    }
+}
+
+#[test]
+fn a_task_that_takes_the_row_of_a_press_is_warned_of() {
+    let service = Service::start();
+    let warned = |tasks: &Value| {
+        let controller = json!({"robot": "panda", "period_s": 0.002, "tasks": tasks});
+        service.call("/v1/controllers", &controller)["warnings"].to_string()
+    };
+    let press = json!({"name": "press", "axes": ["z"], "law": law()});
+    let hold = json!({"name": "hold", "axes": ["x", "z"], "law": {"kind": "pose", "gain": 3}});
+    let with = |field: &str, value: Value| {
+        let mut task = hold.clone();
+        task[field] = value;
+        task
+    };
+    let text = warned(&json!([hold, press]));
+    assert!(text.contains("task `press` cannot press along z, which `hold` before it moves already"), "{text}");
+    let slow = json!({"name": "slow", "axes": ["z"], "upper": [0.1]});
+    for tasks in [
+        json!([press, hold]),
+        json!([with("axes", json!(["x", "rz"])), press]),
+        json!([with("frame", json!("tool")), press]),
+        json!([with("link", json!("panda_link4")), press]),
+        json!([slow, press]),
+    ] {
+        let text = warned(&tasks);
+        assert!(!text.contains("cannot press"), "{text}");
+    }
+}
+
+#[test]
+fn a_target_beyond_the_bounds_of_the_states_is_warned_of() {
+    let service = Service::start();
+    let warned = |bound: f64| {
+        let mut controller = controller(&law());
+        controller["state_checks"] = json!({"max_force_n": bound});
+        service.call("/v1/controllers", &controller)["warnings"].to_string()
+    };
+    assert!(warned(14.0).contains("presses with up to 15 N, and states above `state_checks.max_force_n`, 14 N"));
+    assert!(!warned(15.0).contains("state_checks"));
+}
+
+#[test]
 fn an_answer_tells_the_force_and_what_begins() {
     let service = Service::start();
     let session = service.open(&controller(&law()));

@@ -4,7 +4,9 @@ mod channels;
 mod contact;
 mod deadband;
 mod free_space;
+mod state_bounds;
 mod surface;
+mod taken_rows;
 mod tare;
 mod targets;
 mod weights;
@@ -26,11 +28,13 @@ pub use weights::warn as warn_about_weights;
 const ORDINARY_REACH_M: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 
 /// Returns the warnings about a controller, which must be checked before: unstable contacts, tasks that do not follow
-/// a surface, laws that are unstable in free space, steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
+/// a surface or cannot press, laws that are unstable in free space, steep gains, a damping that does not suit the size of the arm, then those of [`of_first_step`].
 pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> Result<Vec<String>, ApiError> {
     let mut warnings = contact::warnings(request)?;
     warnings.extend(deadband::warnings(request));
     warnings.extend(surface::warnings(request));
+    warnings.extend(taken_rows::warnings(request));
+    warnings.extend(state_bounds::warnings(request, config));
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
     warnings.extend(unusual_size(request, config));

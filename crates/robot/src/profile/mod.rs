@@ -129,16 +129,27 @@ impl Profile {
 
     /// Returns of each entry the value that is farthest from zero, at the points of the profile.
     pub fn largest(&self) -> Entries {
-        let farther = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        self.fold(|a, b| if b.abs() > a.abs() { b } else { a })
+    }
+
+    /// Returns the smallest and the largest value of each entry, at the points of the profile; 0 if all are on its other side.
+    pub fn range(&self) -> [Entries; 2] {
+        [self.fold(f64::min), self.fold(f64::max)]
+    }
+
+    /// Combines 0 with the extreme values of each entry, those of a sine from the one that is farther from zero on.
+    fn fold(&self, combine: impl Fn(f64, f64) -> f64) -> Entries {
         let all = |points: &mut dyn Iterator<Item = &[f64]>| {
-            points.fold(Entries::from_elem(0.0, self.rows()), |largest, value| {
-                largest.iter().zip(value).map(|(a, b)| farther(*a, *b)).collect()
+            points.fold(Entries::from_elem(0.0, self.rows()), |found, value| {
+                found.iter().zip(value).map(|(a, b)| combine(*a, *b)).collect()
             })
         };
         match &self.0 {
-            Shape::Constant(value) => Entries::from_slice(value.as_slice()),
+            Shape::Constant(value) => all(&mut [value.as_slice()].into_iter()),
             Shape::Sine { offset, amplitude, .. } => {
-                offset.iter().zip(amplitude).map(|(offset, a)| offset + a.abs().copysign(*offset)).collect()
+                let far = offset.zip_map(amplitude, |offset, a| offset + a.abs().copysign(offset));
+                let near = offset.zip_map(amplitude, |offset, a| offset - a.abs().copysign(offset));
+                all(&mut [far.as_slice(), near.as_slice()].into_iter())
             }
             Shape::Ramp { start, end, .. } => all(&mut [start.as_slice(), end.as_slice()].into_iter()),
             Shape::Steps(points) => all(&mut points.iter().map(|point| point.value.as_slice())),
@@ -277,6 +288,24 @@ mod tests {
         let found: Vec<_> = [constant, sine, ramp, waypoints()].iter().map(Profile::largest).collect();
         let expected = [[-3.0, 0.0], [-5.0, 5.0], [-2.0, -4.0], [3.0, -6.0]];
         assert!(found.iter().zip(&expected).all(|(found, expected)| found[..] == expected[..]), "{found:?}");
+    }
+
+    #[test]
+    fn the_range_spans_zero_and_all_points() {
+        let constant = Profile::constant(vec![-3.0, 2.0]).unwrap();
+        let sine = Profile::sine(vec![-3.0, 1.0], vec![2.0, -4.0], 1.0, 0.0).unwrap();
+        let ramp = Profile::ramp(vec![1.0, -4.0], vec![-2.0, -3.0], 0.0, 1.0).unwrap();
+        let found: Vec<_> = [constant, sine, ramp, waypoints()].iter().map(Profile::range).collect();
+        let expected = [
+            [[-3.0, 0.0], [0.0, 2.0]],
+            [[-5.0, -3.0], [0.0, 5.0]],
+            [[-2.0, -4.0], [1.0, 0.0]],
+            [[-1.0, -6.0], [3.0, 2.0]],
+        ];
+        assert!(
+            found.iter().flatten().zip(expected.iter().flatten()).all(|(found, expected)| found[..] == expected[..]),
+            "{found:?}"
+        );
     }
 
     #[test]

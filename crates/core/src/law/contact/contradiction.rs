@@ -37,6 +37,17 @@ pub enum ContactContradiction {
         /// f₅, the smallest force that the law presses with, N.
         least: f64,
     },
+    /// The target has both signs, and the law presses in one direction.
+    OtherSign {
+        /// Row, from 0.
+        row: usize,
+        /// The target that is farthest from zero, N.
+        target: f64,
+        /// The target of the other sign that is farthest from zero, N.
+        other: f64,
+        /// f₅, the force with which the law presses instead, N.
+        least: f64,
+    },
     /// The deadband of the sensor hides the end of a contact.
     Deadband {
         /// Row, from 0.
@@ -68,6 +79,12 @@ impl fmt::Display for ContactContradiction {
                  and lost early; give less",
                 row + 1
             ),
+            Self::OtherSign { row, target, other, least } => write!(
+                f,
+                "axis {}: the target force changes its sign, from {target} to {other}, and the tool presses with {least} in the direction of \
+                 {target} instead; give targets of one sign, or press the other way with another controller",
+                row + 1
+            ),
             Self::TargetBelowNoise { row, target, least } => write!(
                 f,
                 "axis {}: the target force {target} is below 5 times `noise` plus `bias`, so the tool presses with {least}; use a better \
@@ -81,10 +98,13 @@ impl fmt::Display for ContactContradiction {
 impl ContactLaw {
     /// Returns the numbers that contradict each other; `deadband`: that of the sensor, N and N·m.
     pub fn contradictions(&self, deadband: [f64; 2]) -> impl Iterator<Item = ContactContradiction> {
-        let largest = self.target_force().largest();
+        let (largest, [lower, upper]) = (self.target_force().largest(), self.target_force().range());
         let axes = self.axes().iter().zip(largest).enumerate();
         axes.flat_map(move |(row, (settings, target))| {
-            let (target, max_force, least) = (target.abs(), settings.max_force, settings.threshold());
+            let other = if target > 0.0 { lower[row] } else { upper[row] };
+            let least = settings.threshold();
+            let sign = (other != 0.0).then_some(ContactContradiction::OtherSign { row, target, other, least });
+            let (target, max_force) = (target.abs(), settings.max_force);
             let limit = if max_force < target.max(least) {
                 Some(ContactContradiction::LimitBelowTarget { row, max_force, target: target.max(least) })
             } else if max_force < PEAK_SHARE * target {
@@ -95,7 +115,7 @@ impl ContactLaw {
             let noise = (target < least).then_some(ContactContradiction::TargetBelowNoise { row, target, least });
             let (deadband, release) = (deadband[usize::from(settings.is_angular())], settings.release());
             let deadband = (deadband > release).then_some(ContactContradiction::Deadband { row, deadband, release });
-            [limit, noise, deadband].into_iter().flatten()
+            [limit, noise, sign, deadband].into_iter().flatten()
         })
     }
 }
