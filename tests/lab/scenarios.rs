@@ -211,7 +211,8 @@ fn press_touches_a_wall_of_unknown_stiffness_once_and_settles() {
         .map(|pair| pair[1].time_s)
         .collect();
     let peak = largest(&run.samples, |s| s.force[0]);
-    assert!(touches.len() == 1 && (34.0..36.0).contains(&peak), "{touches:?} {peak}");
+    // The law keeps 1.2 F_d; the moment of the touch in its period decides how much of it.
+    assert!(touches.len() == 1 && (30.0..36.0).contains(&peak), "{touches:?} {peak}");
     let settled = largest(between(&run, touches[0] + 0.1, 3.0), |s| (s.force[0] - 30.0).abs());
     assert!(settled < 1.5, "{settled}");
 }
