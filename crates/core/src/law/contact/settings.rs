@@ -107,8 +107,8 @@ impl ContactSettings {
         self.metre != 1.0
     }
 
-    /// Returns the acceleration with which an approach begins, m/s²: a tool of 1 kg that is not compensated stays below f₃, and no approach
-    /// takes more than 0.5 m/s² away.
+    /// Returns the acceleration with which an approach begins, m/s²: the inertia of 1 kg that is not compensated then reads f₃, without
+    /// noise. No approach begins with less than 0.5 m/s².
     pub(super) fn approach_acceleration(&self) -> f64 {
         let inertia = TOOL_MASS / (self.metre * self.metre);
         (self.suspicion() / inertia).max(SLOWEST_START * self.metre)
