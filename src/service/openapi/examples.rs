@@ -100,7 +100,7 @@ pub fn complete(document: &mut Value) {
         "contact_time_s": 0.4, "lack": 0.0, "hold_time_s": 0.3, "return_speed": 0.012, "spent_j": 0.02, "before_retreat": 0.012,
         "fault_position": 0.0, "stiffness": [15_300.0, 12_000.0, 130.0], "means": [0.011, 28.0],
         "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 12_000.0, 0.0], "swing": [1.0, 0.2, 0.3],
-        "is_above": false, "unchanged": [29.9, 0.012, 0.0]
+        "is_above": false, "unchanged": [29.9, 0.012, 0.0], "measured": measured_contact()
     }]]);
     let wrench = json!({"force": [0.0, 0.0, 14.9], "torque": [0.1, 0.0, 0.0]});
     let schemas = &mut document["components"]["schemas"];
@@ -239,10 +239,18 @@ fn fits(schemas: &Value, option: &Value, value: &Value) -> bool {
     type_fits && (tag.is_null() || *tag == value["kind"]) && value.as_object().is_none_or(all_known)
 }
 
+/// Returns an example of what the measured positions of a tool in contact show.
+fn measured_contact() -> Value {
+    json!({
+        "position": [0.012, 0.012, 0.012], "stiffness": [15_300.0, 12_000.0, 130.0], "means": [0.011, 28.0],
+        "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 0.0, 0.0]
+    })
+}
+
 /// Adds the examples of a law that follows the normal of a surface. The derive has no example for a field that is an object or null.
 fn follow_surface(schemas: &mut Value) {
-    schemas["ContactReport"]["properties"]["surface"]["examples"] =
-        json!([{"normal": [0.6, 0.0, -0.8], "friction": 0.31, "uncertainty_rad": 0.01, "is_limited": false}]);
+    schemas["ContactReport"]["properties"]["surface"]["examples"] = json!([{"normal": [0.6, 0.0, -0.8], "friction": 0.31, "uncertainty_rad": 0.01, "is_limited": false, "max_speed": 0.018}]);
+    schemas["ContactMemory"]["properties"]["measured"]["examples"] = json!([measured_contact()]);
     schemas["ContactMemory"]["properties"]["normal"]["examples"] = json!([{
         "normal": [0.6, 0.0, -0.8], "mean": [0.59, 0.0, -0.79], "friction": 0.31, "variance": 1e-4, "chords": 5.0,
         "is_sliding": true, "position": [[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]],

@@ -244,6 +244,13 @@ fn memory_ranges() -> Vec<FieldRange> {
             sums: Items(4, 4),
             swing: Items(3, 3),
         }
+        wire::MeasuredContact {
+            position: Items(3, 3),
+            stiffness: Items(3, 3),
+            means: Items(2, 2),
+            sums: Items(4, 4),
+            surface_motion: Items(3, 3),
+        }
         wire::NormalMemory {
             normal: Items(3, 3),
             mean: Items(3, 3),

@@ -61,6 +61,10 @@ pub struct SurfaceReport {
     /// Whether the surface is tilted by more than `max_tilt_rad`. The force then has an error.
     #[schema(example = false)]
     pub is_limited: bool,
+    /// Largest speed of the other tasks along the surface, m/s, until its normal is known; absent from then on, and without contact.
+    #[schema(example = 0.018)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_speed: Option<f64>,
 }
 
 /// The contact of one row, along its pressing direction. Forces are N or N·m, positions m or rad.
@@ -146,6 +150,27 @@ pub struct NormalMemory {
     pub force: [[f64; 3]; 2],
 }
 
+/// What an axis with the law `contact` remembers of the measured positions of the tool. Positions are m or rad, forces N or N·m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredContact {
+    /// Measured position of the tool, the same as the force sensor sees it, and the short mean of that.
+    #[schema(example = json!([0.012, 0.012, 0.012]))]
+    pub position: [f64; 3],
+    /// Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad.
+    #[schema(example = json!([15_300.0, 12_000.0, 130.0]))]
+    pub stiffness: [f64; 3],
+    /// Running means of sensed position and force.
+    #[schema(example = json!([0.011, 28.0]))]
+    pub means: [f64; 2],
+    /// Sums of the squared position, position times force, the squared force, and the number of samples.
+    #[schema(example = json!([1e-6, 0.012, 144.0, 80.0]))]
+    pub sums: [f64; 4],
+    /// Short mean of the place of the surface, its velocity over the long time, and how long the change from that has lasted, s.
+    #[schema(example = json!([0.01, 0.0, 0.0]))]
+    pub surface_motion: [f64; 3],
+}
+
 /// What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or rad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -168,7 +193,7 @@ pub struct ContactMemory {
     /// Position of the surface.
     #[schema(example = 0.01)]
     pub surface: f64,
-    /// Time in contact since the last touch, or of suspicion before it, s.
+    /// Time in contact since the last touch, of suspicion before it, or of a loss, s.
     #[schema(example = 0.4)]
     pub contact_time_s: f64,
     /// Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact is lost.
@@ -202,6 +227,10 @@ pub struct ContactMemory {
     /// Mean place of the surface, the stiffness of that mean, and the velocity of the surface.
     #[schema(example = json!([0.01, 12_000.0, 0.0]))]
     pub surface_motion: [f64; 3],
+    /// What the measured positions of the tool show; absent until it touches, and in older memories: then a motion of the surface is noticed from the next
+    /// touch on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredContact>,
     /// Factor of the upper bound, and the largest difference from the target force since the force last crossed it and before.
     #[schema(example = json!([1.0, 0.2, 0.3]))]
     pub swing: [f64; 3],

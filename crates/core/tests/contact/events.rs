@@ -54,21 +54,25 @@ fn a_hole_is_noticed_although_some_force_stays() {
     }
 }
 
-/// A wall at K v up to 300 N/s: what the law loses before it knows the velocity is less than the force.
+/// Walls at up to 5 cm/s, whose force falls by less than the target within the reaction time of 11 ms: K v τ_d < 0.6 F_d.
 #[test]
 fn a_wall_that_leaves_and_returns_is_held_to_a_tenth() {
-    for (stiffness, speed) in [(1e3, 0.01), (1e3, 0.05), (3e3, 0.05), (1e4, 0.02), (3e4, 0.01)] {
-        let terms = Conditions::new(stiffness, 0.03, (0.005, 1, 0.002));
-        let start = 1.2 + 1.5 * terms.travel();
-        let terms = Conditions { event: Event::LeaveAndReturn(start, speed, 1.5), ..terms };
-        let mut worst: f64 = 0.0;
-        let found = run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
-            let since = time - start;
-            if (0.7..1.5).contains(&since) || (2.2..3.0).contains(&since) {
-                worst = worst.max((force - 30.0).abs());
-            }
-        });
-        assert!(worst < 3.0 && found.losses == 0 && found.settled, "{stiffness} {speed}: {worst} {found:?}");
+    let walls = [1e3, 3e3, 1e4, 3e4].iter().flat_map(|k| [0.01, 0.02, 0.05].map(|v| (*k, v))).chain([(1e5, 0.01)]);
+    for ((stiffness, speed), soft) in walls.flat_map(|wall| [None, Some((5.0, 150.0))].map(|soft| (wall, soft))) {
+        for seed in 1..=3 {
+            let terms = Conditions { soft, ..Conditions::new(stiffness, 0.03, (0.005, 1, 0.002)).seeded(seed) };
+            let start = 1.2 + 1.5 * terms.travel();
+            let terms = Conditions { event: Event::LeaveAndReturn(start, speed, 1.5), ..terms };
+            let mut worst: f64 = 0.0;
+            let found = run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+                let since = time - start;
+                if (0.5..1.5).contains(&since) || (2.0..3.0).contains(&since) {
+                    worst = worst.max((force - 30.0).abs());
+                }
+            });
+            let case = format!("{stiffness} {speed} {soft:?} {seed}: {worst} {found:?}");
+            assert!(worst < 3.0 && found.losses == 0 && found.settled, "{case}");
+        }
     }
 }
 

@@ -130,6 +130,7 @@ fn surface_answer(report: &NormalReport) -> wire::SurfaceReport {
         friction: report.friction,
         uncertainty_rad: report.deviation,
         is_limited: report.is_limited,
+        max_speed: report.most_speed,
     }
 }
 
@@ -146,17 +147,9 @@ pub fn contact_memory(contacts: &[wire::ContactMemory], config: &ControllerConfi
 }
 
 fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
-    let [upper, slope, uncertainty] = axis.stiffness;
-    let [mean_position, mean_force] = axis.means;
-    let [squared_position, product, squared_force, samples] = axis.sums;
-    let [mean, seen, velocity] = axis.surface_motion;
     let [factor, amplitude, before] = axis.swing;
     let [unchanged, since, time] = axis.unchanged;
-    check_numbers(&axis.stiffness, "/stiffness")?;
-    check_numbers(&axis.means, "/means")?;
-    check_numbers(&axis.sums, "/sums")?;
     check_numbers(&axis.swing, "/swing")?;
-    check_numbers(&axis.surface_motion, "/surface_motion")?;
     check_numbers(&axis.unchanged, "/unchanged")?;
     Ok(ContactAxis {
         phase: phase(axis.state, axis.fault)?,
@@ -171,22 +164,59 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         spent: number(axis.spent_j, "/spent_j")?,
         before_retreat: number(axis.before_retreat, "/before_retreat")?,
         fault_position: number(axis.fault_position, "/fault_position")?,
-        estimate: StiffnessEstimate {
-            upper,
-            slope,
-            uncertainty,
-            mean_position,
-            mean_force,
-            squared_position,
-            product,
-            squared_force,
-            samples,
-        },
-        motion: SurfaceMotion { mean, slope: seen, velocity },
+        estimate: stiffness_memory(&axis.stiffness, &axis.means, &axis.sums)?,
+        motion: motion_memory(axis)?,
         swing: Swing { factor, amplitude, before, above: axis.is_above },
         unchanged: Unchanged { force: unchanged, position: since, time },
         normal: axis.normal.as_ref().map_or(Ok(NormalEstimate::START), normal_memory)?,
     })
+}
+
+fn stiffness_memory(stiffness: &[f64; 3], means: &[f64; 2], sums: &[f64; 4]) -> Result<StiffnessEstimate> {
+    check_numbers(stiffness, "/stiffness")?;
+    check_numbers(means, "/means")?;
+    check_numbers(sums, "/sums")?;
+    let ([upper, slope, uncertainty], [mean_position, mean_force]) = (*stiffness, *means);
+    let [squared_position, product, squared_force, samples] = *sums;
+    Ok(StiffnessEstimate {
+        upper,
+        slope,
+        uncertainty,
+        mean_position,
+        mean_force,
+        squared_position,
+        product,
+        squared_force,
+        samples,
+    })
+}
+
+fn motion_memory(axis: &wire::ContactMemory) -> Result<SurfaceMotion> {
+    check_numbers(&axis.surface_motion, "/surface_motion")?;
+    let [long, slope, velocity] = axis.surface_motion;
+    let Some(measured) = &axis.measured else { return Ok(SurfaceMotion::default()) };
+    let wire::MeasuredContact { position, stiffness, means, sums, surface_motion: [short, slow, lasts] } = measured;
+    let read = || {
+        check_numbers(position, "/position")?;
+        check_numbers(&measured.surface_motion, "/surface_motion")?;
+        stiffness_memory(stiffness, means, sums)
+    };
+    let stiffness = read().at("/measured")?;
+    Ok(SurfaceMotion { tool: *position, stiffness, means: [long, *short], slope, slow: *slow, lasts: *lasts, velocity })
+}
+
+fn motion_answer(motion: &SurfaceMotion) -> wire::MeasuredContact {
+    let (stiffness, means, sums) = stiffness_answer(&motion.stiffness);
+    let surface_motion = [motion.means[1], motion.slow, motion.lasts];
+    wire::MeasuredContact { position: motion.tool, stiffness, means, sums, surface_motion }
+}
+
+fn stiffness_answer(estimate: &StiffnessEstimate) -> ([f64; 3], [f64; 2], [f64; 4]) {
+    (
+        [estimate.upper, estimate.slope, estimate.uncertainty],
+        [estimate.mean_position, estimate.mean_force],
+        [estimate.squared_position, estimate.product, estimate.squared_force, estimate.samples],
+    )
 }
 
 fn normal_memory(memory: &wire::NormalMemory) -> Result<NormalEstimate> {
@@ -248,7 +278,8 @@ pub fn contact_memory_answer(contacts: &[ContactAxis]) -> Vec<wire::ContactMemor
 
 fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
     let (state, fault) = state(axis.phase);
-    let (estimate, swing) = (&axis.estimate, &axis.swing);
+    let swing = &axis.swing;
+    let (stiffness, means, sums) = stiffness_answer(&axis.estimate);
     wire::ContactMemory {
         state,
         fault,
@@ -263,10 +294,11 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         spent_j: axis.spent,
         before_retreat: axis.before_retreat,
         fault_position: axis.fault_position,
-        stiffness: [estimate.upper, estimate.slope, estimate.uncertainty],
-        means: [estimate.mean_position, estimate.mean_force],
-        sums: [estimate.squared_position, estimate.product, estimate.squared_force, estimate.samples],
-        surface_motion: [axis.motion.mean, axis.motion.slope, axis.motion.velocity],
+        stiffness,
+        means,
+        sums,
+        surface_motion: [axis.motion.means[0], axis.motion.slope, axis.motion.velocity],
+        measured: (axis.motion.stiffness.upper > 0.0).then(|| motion_answer(&axis.motion)),
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
         unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],

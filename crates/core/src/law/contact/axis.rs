@@ -1,7 +1,7 @@
 //! What the contact law remembers of one axis.
 
 use super::estimate::StiffnessEstimate;
-use super::motion::SurfaceMotion;
+use super::motion::{SurfaceMotion, lagging};
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
@@ -57,7 +57,7 @@ pub struct ContactAxis {
     pub force: f64,
     /// x₀, position of the surface, m.
     pub surface: f64,
-    /// Time in contact since the last touch, or of suspicion before it, s.
+    /// Time in contact since the last touch, of suspicion before it, or of a loss, s.
     pub contact_time: f64,
     /// How much force has been missing for how long since the contact was sure, ∫ (f_off − F) dt, N·s.
     pub lack: f64,
@@ -98,18 +98,8 @@ impl ContactAxis {
         spent: 0.0,
         before_retreat: 0.0,
         fault_position: 0.0,
-        estimate: StiffnessEstimate {
-            upper: 0.0,
-            slope: 0.0,
-            uncertainty: 0.0,
-            mean_position: 0.0,
-            mean_force: 0.0,
-            squared_position: 0.0,
-            product: 0.0,
-            squared_force: 0.0,
-            samples: 0.0,
-        },
-        motion: SurfaceMotion { mean: 0.0, slope: 0.0, velocity: 0.0 },
+        estimate: StiffnessEstimate::NONE,
+        motion: SurfaceMotion::NONE,
         swing: Swing::NONE,
         unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0 },
         normal: NormalEstimate::START,
@@ -133,19 +123,19 @@ impl ContactAxis {
     /// Returns whether all numbers are finite and in their ranges.
     pub(crate) fn is_valid(&self) -> bool {
         let Self { position, sensed_position, force, surface, contact_time, return_speed, .. } = *self;
-        let StiffnessEstimate { upper, slope, uncertainty, mean_position, mean_force, .. } = self.estimate;
-        let StiffnessEstimate { squared_position, product, squared_force, samples, .. } = self.estimate;
         let signed = [
             position,
             sensed_position,
             force,
             surface,
             self.fault_position,
-            mean_position,
-            mean_force,
-            product,
             self.before_retreat,
-            self.motion.mean,
+            self.motion.tool[0],
+            self.motion.tool[1],
+            self.motion.tool[2],
+            self.motion.means[0],
+            self.motion.means[1],
+            self.motion.slow,
             self.motion.velocity,
             self.unchanged.force,
             self.unchanged.position,
@@ -156,13 +146,8 @@ impl ContactAxis {
             self.hold_time,
             return_speed,
             self.spent,
-            upper,
-            slope,
-            uncertainty,
-            squared_position,
-            squared_force,
-            samples,
             self.motion.slope,
+            self.motion.lasts,
             self.swing.amplitude,
             self.swing.before,
             self.unchanged.time,
@@ -172,19 +157,14 @@ impl ContactAxis {
             && positive.iter().all(|value| value.is_finite() && *value >= 0.0)
             && self.swing.factor >= 1.0
             && self.swing.factor.is_finite()
+            && self.estimate.is_valid()
+            && self.motion.stiffness.is_valid()
             && self.normal.is_valid()
     }
 
     /// Moves the model by `way` (m) in a time (s), at a constant speed.
     pub fn advance(&mut self, timing: &ContactTiming, way: f64, time: f64) {
-        let after = self.position + way;
-        let lag = timing.sensor_lag;
-        self.sensed_position = if lag > 0.0 && time > 0.0 {
-            let behind = way / time * lag;
-            after - behind + (self.sensed_position - self.position + behind) * (-time / lag).exp()
-        } else {
-            after
-        };
-        self.position = after;
+        self.sensed_position = lagging(timing.sensor_lag, (self.position, self.sensed_position), [way, time]);
+        self.position += way;
     }
 }

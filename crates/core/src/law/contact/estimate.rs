@@ -48,6 +48,28 @@ pub struct StiffnessEstimate {
 }
 
 impl StiffnessEstimate {
+    /// Nothing.
+    pub(super) const NONE: Self = Self {
+        upper: 0.0,
+        slope: 0.0,
+        uncertainty: 0.0,
+        mean_position: 0.0,
+        mean_force: 0.0,
+        squared_position: 0.0,
+        product: 0.0,
+        squared_force: 0.0,
+        samples: 0.0,
+    };
+
+    /// Returns whether all numbers are finite and in their ranges.
+    pub(super) fn is_valid(&self) -> bool {
+        let Self { upper, slope, uncertainty, mean_position, mean_force, .. } = *self;
+        let Self { squared_position, product, squared_force, samples, .. } = *self;
+        let positive = [upper, slope, uncertainty, squared_position, squared_force, samples];
+        [mean_position, mean_force, product].iter().all(|value| value.is_finite())
+            && positive.iter().all(|value| value.is_finite() && *value >= 0.0)
+    }
+
     /// Returns the estimate at a first contact: the stiffest one, without data; x_s (m), F (N).
     pub(super) fn start(settings: &ContactSettings, position: f64, force: f64) -> Self {
         Self { upper: settings.stiffest, mean_position: position, mean_force: force, ..Self::default() }
@@ -76,7 +98,9 @@ impl StiffnessEstimate {
         // The surface takes the means with it: what counts is the motion relative to it.
         self.mean_position += timing.period * surface_velocity;
         let (x, f) = (position - self.mean_position, force - self.mean_force);
-        if x.abs() * self.upper > DEAD_ZONE * settings.noise {
+        // A force that falls as the tool goes deeper is no stiffness: the surface moves.
+        let is_surface = is_held && x * f < 0.0;
+        if x.abs() * self.upper > DEAD_ZONE * settings.noise && !is_surface {
             self.add(settings, timing, x, f);
             self.update(settings, timing, is_held);
         }

@@ -3,7 +3,6 @@
 use super::approach::{largest_approach_speed, unavoidable_peak};
 use super::axis::{ContactAxis, ContactPhase, FaultCause, HELD};
 use super::estimate::StiffnessEstimate;
-use super::motion::SurfaceMotion;
 use super::report::ContactReport;
 use super::settings::ContactSettings;
 use super::swing::Swing;
@@ -35,6 +34,12 @@ const LONG_CONTACT: f64 = 0.5;
 
 /// Slowest way back to a lost surface, m/s.
 const SLOWEST_RETURN: f64 = 1e-3;
+
+/// Share of its velocity by which the tool is faster than a surface that has left.
+const CHASE: f64 = 0.25;
+
+/// Longest time for which a surface is thought to move on after a loss, s.
+const LONGEST_CHASE: f64 = 0.5;
 
 /// How far behind its place a lost surface may be, m.
 const LOST_DEPTH: f64 = 1e-4;
@@ -97,9 +102,12 @@ impl Step<'_> {
         self.spend();
         self.axis.force = self.input.force;
         self.find_faults();
+        self.axis.motion.advance(self.timing.sensor_lag, self.input.moved);
         self.change_phase(speed);
         if self.presses() {
             self.learn();
+        } else if matches!(self.axis.phase, ContactPhase::Contact | ContactPhase::Loss) {
+            self.chase();
         }
         self.give_up_lost_surface();
         let wanted = self.wanted(speed);
@@ -141,6 +149,11 @@ impl Step<'_> {
     /// Returns p − x_s, m.
     fn ahead_of_sensor(&self) -> f64 {
         self.axis.position + self.input.to_rest - self.axis.sensed_position
+    }
+
+    /// Returns p − x_s, m, less what the surface moves until the sensor sees p.
+    fn ahead_of_surface(&self) -> f64 {
+        self.ahead_of_sensor() - self.axis.motion.velocity * self.timing.following
     }
 
     /// Gives up a contact whose force is too large, of the wrong sign, or stuck.
@@ -200,13 +213,15 @@ impl Step<'_> {
                 axis.phase = ContactPhase::Contact;
                 axis.estimate = StiffnessEstimate::start(settings, position, force);
                 axis.swing = Swing::NONE;
-                axis.motion = SurfaceMotion::default();
+                axis.motion.touch(settings, force);
                 (axis.surface, axis.return_speed) = (position, speed);
                 (axis.contact_time, axis.hold_time) = (0.0, 0.0);
             }
             ContactPhase::Loss if force > threshold => {
                 axis.phase = ContactPhase::Contact;
                 axis.estimate.restart_means(position, force);
+                axis.motion.find_again(force);
+                axis.contact_time = 0.0;
             }
             ContactPhase::Contact if axis.lack > patience * settings.release() => axis.phase = ContactPhase::Loss,
             _ => {}
@@ -236,18 +251,18 @@ impl Step<'_> {
         axis.hold_time = if is_near {
             (axis.hold_time + self.timing.period).min(HELD)
         } else if axis.hold_time > 0.5 * HELD {
-            (axis.hold_time - AWAY * self.timing.period).max(0.0)
+            // While the motion of the surface explains the force, the stiffness is not learnt anew.
+            let away = if axis.motion.is_changing(self.timing) { 0.0 } else { AWAY };
+            (axis.hold_time - away * self.timing.period).max(0.0)
         } else {
             0.0
         };
         let is_held = axis.hold_time > 0.5 * HELD;
-        axis.estimate.learn(terms, (axis.sensed_position, force), (is_held, axis.motion.velocity));
+        axis.estimate.learn(terms, (axis.sensed_position, force), (is_held, axis.motion.slow));
         if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
             axis.surface = axis.sensed_position - force / axis.estimate.best();
         }
-        if is_held {
-            axis.motion.update(terms, (axis.sensed_position, force), axis.estimate.slope);
-        }
+        axis.motion.learn(terms, [force, self.input.target], (&axis.swing, is_held));
         axis.swing.update(terms, force - self.input.target, self.input.target);
     }
 
@@ -255,13 +270,22 @@ impl Step<'_> {
     fn give_up_lost_surface(&mut self) {
         let (settings, axis) = (self.settings, &mut *self.axis);
         let force = settings.threshold() + DIFFERENCE * settings.noise;
-        if axis.phase == ContactPhase::Loss {
-            axis.surface += self.timing.period * axis.motion.velocity;
-        }
         let depth = (LOST_DEPTH * settings.metre).max(2.0 * force / axis.estimate.best());
-        if axis.phase == ContactPhase::Loss && axis.sensed_position > axis.surface + depth {
-            axis.phase = ContactPhase::Approach;
+        if axis.phase == ContactPhase::Loss {
+            axis.contact_time += self.timing.period;
+            let is_far = axis.sensed_position > axis.surface + depth;
+            let is_late = axis.motion.velocity > 0.0 && axis.contact_time > LONGEST_CHASE;
+            if is_far || is_late {
+                axis.phase = ContactPhase::Approach;
+            }
         }
+    }
+
+    /// Moves the place of a surface that has left, a little faster than it was seen to move, so that the tool meets it again.
+    fn chase(&mut self) {
+        let (axis, period) = (&mut *self.axis, self.timing.period);
+        axis.motion.coast(period);
+        axis.surface += period * (axis.motion.velocity + CHASE * axis.motion.velocity.max(0.0));
     }
 
     /// Returns the velocity before the limit of acceleration, m/s.
@@ -292,7 +316,7 @@ impl Step<'_> {
     fn pressing(&self, force: f64, speed: f64) -> f64 {
         let (timing, AxisInput { target, acceleration, .. }) = (self.timing, self.input);
         let stiffness = self.stiffness();
-        let error = (target - force) / stiffness - self.ahead_of_sensor();
+        let error = (target - force) / stiffness - self.ahead_of_surface();
         let approach = (error.abs() / timing.contact).min((acceleration * error.abs()).sqrt()).copysign(error);
         let excess = -error - OVERSHOOT * target / stiffness;
         let stop = if excess > 0.0 {
@@ -335,7 +359,7 @@ impl Step<'_> {
             stiffness_bound: if axis.estimate.upper > 0.0 { self.stiffness() } else { settings.stiffest },
             stiffness: (axis.estimate.slope > 0.0).then_some([axis.estimate.slope, axis.estimate.uncertainty]),
             predicted_force: if is_touching {
-                self.input.force + self.stiffness() * self.ahead_of_sensor()
+                self.input.force + self.stiffness() * self.ahead_of_surface()
             } else {
                 0.0
             },

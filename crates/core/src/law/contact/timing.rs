@@ -46,6 +46,8 @@ pub struct ContactTiming {
     pub fall: f64,
     /// τ_s, time constant of the velocity of the surface.
     pub surface: f64,
+    /// L + D T + τ_f, by which a tool that moves steadily is ahead of the force sensor.
+    pub following: f64,
     /// Time in which the swing factor decays by the factor e.
     pub swing_decay: f64,
 }
@@ -67,6 +69,7 @@ impl ContactTiming {
             window: (WINDOW.1 * reaction).max(WINDOW.0),
             fall: reaction.max(MIN_FALL_TIME),
             surface: SURFACE_REACTIONS * (CONTACT_REACTIONS * reaction).max(MIN_CONTACT_TIME),
+            following: drive.lag_s + drive.delay_periods as f64 * period + sensor_lag,
             swing_decay: (SWING_DECAY.1 * reaction).max(SWING_DECAY.0),
         }
     }
