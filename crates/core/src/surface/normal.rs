@@ -32,6 +32,15 @@ const MOST_FRICTION: f64 = 1.0;
 /// Fastest turn of the normal, rad/s.
 const TURN_RATE: f64 = 2.0;
 
+/// Speed along a surface whose normal is not known, m/s.
+const UNKNOWN_SPEED: f64 = 5e-3;
+
+/// Factor by which that speed grows with each chord.
+const FASTER: f64 = 1.3;
+
+/// Chords after which the normal is known.
+const KNOWN: f64 = 20.0;
+
 /// How a task follows the normal of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSettings {
@@ -73,7 +82,7 @@ pub struct NormalEstimate {
     pub friction: f64,
     /// Mean of the squared angle between `mean` and the normals of the chords, rad².
     pub variance: f64,
-    /// Number of chords since the touch, up to those of 5 mm.
+    /// Number of chords since the touch, up to 20.
     pub chords: f64,
     /// Whether the filters have begun.
     pub is_sliding: bool,
@@ -115,6 +124,8 @@ pub struct NormalReport {
     pub deviation: Option<f64>,
     /// Whether the largest tilt holds the normal back.
     pub is_limited: bool,
+    /// Largest speed along the surface until its normal is known, m/s; `None`: it is known, or the tool does not touch it.
+    pub most_speed: Option<f64>,
 }
 
 impl NormalEstimate {
@@ -140,7 +151,7 @@ impl NormalEstimate {
             && self.mean.norm() <= 1.0 + 1e-6
             && (0.0..=MOST_FRICTION).contains(&self.friction)
             && (0.0..=PI * PI).contains(&self.variance)
-            && (0.0..=WAY / CHORD).contains(&self.chords)
+            && (0.0..=KNOWN).contains(&self.chords)
     }
 
     /// Returns the estimate with n within an angle (rad) of the stated direction: a memory may say anything.
@@ -181,7 +192,16 @@ impl NormalEstimate {
             friction: is_known.then_some(self.friction),
             deviation: is_known.then(|| self.variance.sqrt()),
             is_limited,
+            most_speed: self.most_speed(input.touch),
         }
+    }
+
+    /// Returns the largest speed along the surface, m/s, until the normal is known.
+    ///
+    /// A surface that the tool slides up or down at v comes or recedes at v tan(tilt), and a law behind a lag cannot follow a stiff one.
+    fn most_speed(&self, touch: Touch) -> Option<f64> {
+        let is_known = self.chords >= KNOWN;
+        (touch != Touch::Free && !is_known).then(|| UNKNOWN_SPEED * FASTER.powf(self.chords))
     }
 
     /// Filters position and force, and ends a chord that is long enough.
@@ -224,7 +244,7 @@ impl NormalEstimate {
         // One chord does not know how exact it is: the largest tilt is where that begins.
         let variance = if self.chords > 0.0 { self.variance } else { settings.max_tilt * settings.max_tilt };
         self.variance = variance + of_way * (self.mean.angle(&normal).powi(2) - variance);
-        self.chords = (self.chords + 1.0).min(WAY / CHORD);
+        self.chords = (self.chords + 1.0).min(KNOWN);
     }
 }
 

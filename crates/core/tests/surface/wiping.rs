@@ -36,6 +36,36 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// The tool waits for the normal: with a motion that begins at full speed, a fixed frame loses the surface.
+    #[test]
+    fn a_motion_may_begin_at_once(tilt in -30.0..30.0_f64, friction in 0.0..0.5_f64, stiffness in 4.0..4.5_f64) {
+        let surface = Surface { stiffness: 10.0_f64.powf(stiffness), ..tilted(tilt, friction) };
+        let found = wipe(surface, Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X });
+        prop_assert!(found.error < 0.1 && found.losses == 0, "{found:?}");
+    }
+}
+
+#[test]
+fn a_tool_is_slow_until_the_normal_is_known() {
+    let seen = World::new(tilted(20.0, 0.3), Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X }).run(BEGIN + 4.0);
+    let limit = |seen: &Seen| seen.report.unwrap().most_speed;
+    let slides = |seen: &&Seen| seen.time > BEGIN && seen.contact.phase == ContactPhase::Contact;
+    let slow: Vec<_> = seen.iter().filter(slides).take_while(|seen| limit(seen).is_some()).collect();
+    // Over 20 ms: 10 % for what the normal turns, and the way behind the lag.
+    for pair in slow.windows(11) {
+        let speed = (pair[10].at - pair[0].at).norm() / (10.0 * PERIOD);
+        assert!(speed < 1.1 * limit(pair[10]).unwrap() + 2e-3, "{speed} {:?}", pair[10]);
+    }
+    assert_eq!(limit(slow[0]), Some(5e-3));
+    let way = (slow.last().unwrap().at - slow[0].at).norm();
+    assert!((0.02..0.03).contains(&way) && limit(seen.last().unwrap()).is_none(), "{way}");
+    let fastest = seen.windows(11).map(|pair| (pair[10].at - pair[0].at).norm() / (10.0 * PERIOD)).fold(0.0, f64::max);
+    assert!(fastest > 0.045, "{fastest}");
+}
+
 /// The claim can fail: without the estimate it does.
 #[test]
 fn a_fixed_frame_presses_too_hard_or_too_softly() {

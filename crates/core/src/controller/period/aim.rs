@@ -126,6 +126,7 @@ pub(super) fn aim<'a>(
     for (k, target) in targets.iter_mut().enumerate() {
         evaluate_law(k, target, (bounds, gains, contacts), (config, arm, previous), (tasks, streams));
     }
+    contacts.slide_slowly(config, targets);
     contacts.give_way_to_a_retreat(config, targets, tasks)?;
     match null_space_velocity {
         // An operator who lost the link expects an arm that rests.

@@ -132,6 +132,23 @@ impl Contacts {
         }
     }
 
+    /// Slows the tasks down that turn with a surface whose normal is not known yet.
+    pub(super) fn slide_slowly(&self, config: &ControllerConfig, targets: &mut [TaskTarget]) {
+        for axis in &self.axes {
+            let Some(most) = axis.normal.and_then(|normal| normal.most_speed) else { continue };
+            let rows = &config.tasks[axis.task].rows;
+            let follows = |k: usize| k != axis.task && config.tasks[k].rows.has_axes_of(rows);
+            for (k, target) in targets.iter_mut().enumerate().filter(|(k, _)| follows(*k)) {
+                let linear = |row: &usize| config.tasks[k].rows.is_angular(*row, &config.robot) == Some(false);
+                let rows = || (0..target.velocity.len()).filter(linear);
+                let speed = rows().map(|row| target.velocity[row].powi(2)).sum::<f64>().sqrt();
+                if speed > most {
+                    rows().for_each(|row| target.velocity[row] *= most / speed);
+                }
+            }
+        }
+    }
+
     /// Lets the tasks above one with a fault by force go: nothing but limits and constraints holds its retreat back, and none brings the tool
     /// back afterwards. The tasks below it that turn with its surface stop: the tool may have slid into a slope that it does not know.
     pub(super) fn give_way_to_a_retreat(
