@@ -295,10 +295,9 @@ impl Step<'_> {
             ContactPhase::Approach if force > settings.suspicion() => 0.0,
             ContactPhase::Approach => speed,
             ContactPhase::Contact if self.presses() => self.pressing(force, speed),
-            ContactPhase::Contact | ContactPhase::Loss => {
-                let modelled = axis.estimate.best() * (axis.sensed_position - axis.surface);
-                self.pressing(force.min(modelled), axis.return_speed)
-            }
+            ContactPhase::Contact => self.returning(force),
+            // Nobody knows whether the surface still moves: the tool meets it at the speed of an approach.
+            ContactPhase::Loss => self.returning(force).min(speed),
             ContactPhase::Fault(cause) => {
                 let is_believed = !matches!(cause, FaultCause::Pull | FaultCause::Stuck);
                 let is_pressed = is_believed && force.abs() > settings.threshold();
@@ -310,6 +309,12 @@ impl Step<'_> {
                 if axis.position + to_rest > end { -speed } else { 0.0 }
             }
         }
+    }
+
+    /// Returns the velocity of the way back to the place of the surface, m/s, for a force (N) that may be missing.
+    fn returning(&self, force: f64) -> f64 {
+        let modelled = self.axis.estimate.best() * (self.axis.sensed_position - self.axis.surface);
+        self.pressing(force.min(modelled), self.axis.return_speed)
     }
 
     /// Returns the velocity that moves the position of rest to x*, m/s, for a force (N) and a largest speed (m/s).
