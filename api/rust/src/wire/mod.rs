@@ -44,7 +44,8 @@ pub use collision::{
     ObstacleState, PairDistance, RobotShapes, RoomObstacle, ShapeSource, Sphere,
 };
 pub use contact::{
-    ContactFault, ContactMemory, ContactReport, ContactState, NormalMemory, SurfaceFollowing, SurfaceReport,
+    ContactFault, ContactMemory, ContactReport, ContactState, MeasuredContact, NormalMemory, SurfaceFollowing,
+    SurfaceReport,
 };
 pub use controller::{Controller, ControllerTask, CreatedController, SessionEntry, SessionList, SessionStatus};
 pub use drive::{DriveState, JointDrive};

@@ -201,7 +201,7 @@ fn motion_memory(axis: &wire::ContactMemory) -> Result<SurfaceMotion> {
         check_numbers(&measured.surface_motion, "/surface_motion")?;
         stiffness_memory(stiffness, means, sums)
     };
-    let stiffness = read().at("/measured")?;
+    let stiffness = read().map_err(|error| error.inside("/measured"))?;
     Ok(SurfaceMotion { tool: *position, stiffness, means: [long, *short], slope, slow: *slow, lasts: *lasts, velocity })
 }
 
