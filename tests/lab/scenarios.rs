@@ -217,14 +217,20 @@ fn press_touches_a_wall_of_unknown_stiffness_once_and_settles() {
     assert!(settled < 1.5, "{settled}");
 }
 
-#[test]
-fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
-    let followed = scenario("wiping");
-    let mut fixed = followed.clone();
+/// Returns a scenario whose law `contact` does not follow the surface.
+fn without_surface(scenario: &Scenario) -> Scenario {
+    let mut fixed = scenario.clone();
     let Some(wire::Law::Contact { surface, .. }) = &mut fixed.controller.tasks[0].law else {
         unreachable!("it presses with the law `contact`")
     };
     *surface = None;
+    fixed
+}
+
+#[test]
+fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
+    let followed = scenario("wiping");
+    let fixed = without_surface(&followed);
     let normal = followed.contacts[0].normal.unwrap();
     let pressed = |s: &Sample| -(0..3).map(|i| s.force[i] * normal[i]).sum::<f64>();
     let error = |s: &Sample| (pressed(s) - 20.0).abs();
@@ -247,6 +253,44 @@ fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
     let run = served(&fixed);
     let peak = largest(&run.samples, pressed);
     assert!(peak > 100.0 && lost(&run) > 0, "{peak}");
+}
+
+/// The middle of the cylinder is 0.153 m from the start. The tool goes over its crest, which is x = 51 mm.
+#[test]
+fn wiping_a_curved_surface_keeps_the_normal_force_because_it_follows_the_normal() {
+    let followed = scenario("wiping_curved");
+    let outward = followed.contacts[0].normal.unwrap();
+    let middle = outward.map(|part| -0.153 * part);
+    let normal = |s: &Sample| {
+        let [x, z] = [0, 2].map(|i| s.position_error[i] - middle[i]);
+        let distance = x.hypot(z);
+        [x / distance, z / distance]
+    };
+    let pressed = |s: &Sample| -(s.force[0] * normal(s)[0] + s.force[2] * normal(s)[1]);
+    let slope_deg = |s: &Sample| normal(s)[0].asin().to_degrees();
+    let later = |run: &Recording| {
+        let slides = &run.samples[2000..];
+        let slid = |s: &Sample| distance(s.position_error, slides[0].position_error);
+        slides[slides.iter().position(|s| slid(s) > 5e-3).unwrap()..].to_vec()
+    };
+    let error = |samples: &[Sample]| largest(samples, |s| (pressed(s) - 20.0).abs());
+
+    let run = later(&served(&followed));
+    assert!(error(&run) < 1.0, "{}", error(&run));
+    let slopes = [-largest(&run, |s| -slope_deg(s)), largest(&run, slope_deg)];
+    assert!((-19.5..-18.5).contains(&slopes[0]) && (18.0..19.0).contains(&slopes[1]), "{slopes:?}");
+    let speed = run.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);
+    let speed = speed.fold(0.0, f64::max);
+    assert!((0.045..0.05).contains(&speed), "{speed}");
+    // The normal that the law reports is that of the place where the tool is, but for the 5 mm over which it is a mean.
+    let off = largest(&run, |s| {
+        let [x, _, z] = s.contacts.surface.normal[0].map(Option::unwrap);
+        (x * normal(s)[1] - z * normal(s)[0]).asin().abs().to_degrees()
+    });
+    assert!(off < 8.0, "{off}");
+
+    let run = later(&served(&without_surface(&followed)));
+    assert!(error(&run) > 4.0, "{}", error(&run));
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Contacts of the tool, as in a scenario.
 
-use nalgebra::Vector3;
 use revprio_api::wire::{Profile, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
+
+use super::shape::Shape;
 
 /// Kind of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -15,28 +16,36 @@ pub enum ContactKind {
     Wall,
     /// Unilateral, normal to any direction.
     Plane,
+    /// Unilateral: the outside of a round bar along an axis.
+    Cylinder,
+    /// Unilateral: the outside of a ball.
+    Sphere,
 }
 
-/// A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.
+/// A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along its normal, with friction along the surface.
 ///
 /// Paper: Eq. (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and
 /// acceleration are relative to it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Base axis of a spring or a wall: 0 = x, 1 = y, 2 = z.
+    /// Base axis of a spring or a wall, or along a cylinder: 0 = x, 1 = y, 2 = z.
     #[serde(default, with = "axis_name", skip_serializing_if = "Option::is_none")]
     #[schema(schema_with = axis_name::schema)]
     pub axis: Option<usize>,
-    /// Normal of a plane, out of the material, base axes; of any length except zero.
+    /// Normal of a plane, a cylinder or a sphere at the place that is nearest to the start position of the tool, out of the
+    /// material, base axes; of any length except zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
     /// Kind of contact.
     pub kind: ContactKind,
     /// X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the negative
-    /// direction. For a plane: the distance of the tool to it, against the normal.
+    /// direction. With a `normal`: the distance of the tool to the surface, against the normal.
     #[serde(default)]
     pub offset_m: f64,
+    /// Radius of a cylinder or a sphere, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
     /// Motion that is added to `offset_m`, m, one value.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub motion: Option<Profile>,
@@ -48,22 +57,15 @@ pub struct Contact {
     /// Inertia M_e, kg.
     #[serde(default)]
     pub inertia: f64,
-    /// Friction along a wall or a plane; none by default.
+    /// Friction along a surface; none by default. A spring has no surface.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }
 
 impl Contact {
-    /// Returns the share of K_e that acts along a base axis: the square of the component of the direction.
+    /// Returns the share of K_e that acts along a base axis at the start: the square of the component of the direction.
     pub fn share_along(&self, axis: usize) -> f64 {
-        match (self.axis, self.normal) {
-            (Some(own), _) => f64::from(u8::from(own == axis)),
-            (None, Some(normal)) => {
-                let length = Vector3::from(normal).norm();
-                if length > 0.0 { (normal[axis] / length).powi(2) } else { 0.0 }
-            }
-            (None, None) => 0.0,
-        }
+        Shape::new(self, "").map_or(0.0, |shape| shape.inward[axis].powi(2))
     }
 }
 
@@ -96,7 +98,7 @@ mod axis_name {
 
     pub fn schema() -> Object {
         let words = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).enum_values(Some(NAMES));
-        words.description(Some("Base axis of a spring or a wall.")).build()
+        words.description(Some("Base axis of a spring or a wall, or along a cylinder.")).build()
     }
 
     // serde hands over a reference.

@@ -30,6 +30,7 @@ mod run;
 mod run_error;
 mod scenario;
 mod sensors;
+mod shape;
 mod stateless;
 mod surface;
 mod toml_lines;

@@ -133,7 +133,7 @@ macro_rules! built_in {
 }
 
 /// The scenarios that ship with the crate, as name and TOML text. The scenarios of the paper come first.
-pub const BUILT_IN_SCENARIOS: [(&str, &str); 20] = built_in![
+pub const BUILT_IN_SCENARIOS: [(&str, &str); 21] = built_in![
     "force_tracking",
     "force_tracking_singular",
     "stiff_wall",
@@ -150,6 +150,7 @@ pub const BUILT_IN_SCENARIOS: [(&str, &str); 20] = built_in![
     "polishing",
     "press",
     "wiping",
+    "wiping_curved",
     "human_push",
     "ur5e_wall",
     "noisy_sensors",
