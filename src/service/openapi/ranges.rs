@@ -14,7 +14,9 @@ use revprio_core::streaming::{
 };
 use revprio_core::surface::SurfaceSettings;
 use revprio_core::wrench::MIN_TARE_READINGS;
-use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
+use revprio_lab::simulator::{
+    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop,
+};
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
 
@@ -149,10 +151,16 @@ fn request_ranges() -> Vec<FieldRange> {
             start_joint_position: Items(1, MAX_JOINTS),
             contacts: Items(0, 100),
             obstacle_motions: Items(0, MAX_OBSTACLES),
+            target_programs: Items(0, 100),
             substeps: Between(1.0, 1000.0),
         }
         VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
-        Contact { normal: Items(3, 3), stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
+        Contact { normal: Items(3, 3), radius_m: Positive, stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
+        Edge { direction: Items(3, 3), depth_m: Positive }
+        Hole { center: Items(3, 3), clearance_m: Positive, depth_m: Positive }
+        Hinge { inertia: NotNegative, damping: NotNegative, friction: NotNegative }
+        TargetProgram as TargetProgram::ForceAlongMotion { start_direction: Items(3, 3), memory_m: Positive }
+        TargetProgram as TargetProgram::SpiralSearch { pitch_m: Positive, speed: Positive, inserted_m: Positive }
         Friction { coulomb: NotNegative, viscous: NotNegative, sticking_speed_m_s: Positive }
         Sensors { wrench_filter_s: NotNegative }
         Sensor { noise: NotNegative, quantum: NotNegative }

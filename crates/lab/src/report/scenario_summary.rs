@@ -36,6 +36,7 @@ fn contact(contact: &Contact) -> String {
         ContactKind::Plane => "plane",
         ContactKind::Cylinder => "cylinder",
         ContactKind::Sphere => "sphere",
+        ContactKind::Door => "door",
     };
     let axis = contact.axis.map(|axis| format!(" along {}", ["x", "y", "z"][axis])).unwrap_or_default();
     format!(

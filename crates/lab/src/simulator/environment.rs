@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::contact::Contact;
+use super::contact::{Contact, ContactKind};
+use super::door::Door;
 use super::energy::Energy;
 use super::field_error::FieldError;
 use super::surface::Surface;
@@ -13,8 +14,45 @@ const MAX_CONTACTS: usize = 100;
 /// The state of all contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
-    surfaces: Vec<Surface>,
+    bodies: Vec<Body>,
     start: Vector3<f64>,
+}
+
+/// What the tool touches or holds.
+#[derive(Debug, Clone, PartialEq)]
+enum Body {
+    Surface(Box<Surface>),
+    Door(Box<Door>),
+}
+
+impl Body {
+    fn new(contact: &Contact, pointer: &str) -> Result<Self, FieldError> {
+        if contact.kind == ContactKind::Door {
+            return Door::new(contact, pointer).map(|door| Self::Door(Box::new(door)));
+        }
+        Surface::new(contact, pointer).map(|surface| Self::Surface(Box::new(surface)))
+    }
+
+    fn step(&mut self, displacement: Vector3<f64>, velocity: Vector3<f64>, time_s: f64, dt: f64) -> Vector3<f64> {
+        match self {
+            Self::Surface(surface) => surface.step(displacement, velocity, time_s, dt),
+            Self::Door(door) => door.step(displacement, velocity, dt),
+        }
+    }
+
+    fn distance(&self) -> Option<f64> {
+        match self {
+            Self::Surface(surface) => surface.distance(),
+            Self::Door(_) => None,
+        }
+    }
+
+    fn energy(&self) -> Energy {
+        match self {
+            Self::Surface(surface) => surface.energy(),
+            Self::Door(door) => door.energy(),
+        }
+    }
 }
 
 impl Environment {
@@ -23,27 +61,27 @@ impl Environment {
         if contacts.len() > MAX_CONTACTS {
             return Err(FieldError::new("/contacts", format!("has more than {MAX_CONTACTS} contacts")));
         }
-        let surface = |(i, contact)| Surface::new(contact, &format!("/contacts/{i}"));
-        let surfaces = contacts.iter().enumerate().map(surface).collect::<Result<_, _>>()?;
-        Ok(Self { surfaces, start: start.into() })
+        let body = |(i, contact)| Body::new(contact, &format!("/contacts/{i}"));
+        let bodies = contacts.iter().enumerate().map(body).collect::<Result<_, _>>()?;
+        Ok(Self { bodies, start: start.into() })
     }
 
     /// Advances by `dt` (s) to a tool position (m), a tool velocity (m/s) and a time (s). Returns the force F_e on the
     /// environment (N, base axes).
     pub fn step(&mut self, position: [f64; 3], velocity: [f64; 3], time_s: f64, dt: f64) -> [f64; 3] {
         let displacement = Vector3::from(position) - self.start;
-        let forces = self.surfaces.iter_mut().map(|surface| surface.step(displacement, velocity.into(), time_s, dt));
+        let forces = self.bodies.iter_mut().map(|body| body.step(displacement, velocity.into(), time_s, dt));
         forces.sum::<Vector3<f64>>().into()
     }
 
     /// Returns the distance to the nearest surface at the last step, m, negative in contact; `None` without one.
     pub fn wall_distance(&self) -> Option<f64> {
-        self.surfaces.iter().filter_map(Surface::distance).min_by(f64::total_cmp)
+        self.bodies.iter().filter_map(Body::distance).min_by(f64::total_cmp)
     }
 
     /// Returns the energy of all contacts so far.
     pub fn energy(&self) -> Energy {
-        self.surfaces.iter().map(Surface::energy).sum()
+        self.bodies.iter().map(Body::energy).sum()
     }
 }
 
@@ -65,6 +103,9 @@ mod tests {
             damping: 10.0,
             inertia: 2.0,
             friction: None,
+            hole: None,
+            edge: None,
+            hinge: None,
         }
     }
 

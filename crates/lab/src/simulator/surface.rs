@@ -56,6 +56,9 @@ impl Surface {
             return Err(FieldError::new(at("friction"), "needs a surface; a spring has none"));
         }
         let friction = contact.friction.map(|friction| checked(friction, &at("friction"))).transpose()?;
+        if contact.hinge.is_some() {
+            return Err(FieldError::new(at("hinge"), "is for a door"));
+        }
         let motion = contact.motion.as_ref().map(|motion| profile(motion, 1, &at("motion"))).transpose()?;
         // The motion of a wall is along its axis, also if the wall is in the negative direction.
         let side = if contact.kind == ContactKind::Wall { shape.inward.sum() } else { 1.0 };

@@ -149,7 +149,7 @@ pub static QUANTITIES: [Quantity; 40] = quantities! {
     "tool" "m" Axis Number sample.position "tool point, base frame";
     "displacement" "m" Axis Number sample.position_error "displacement of the tool point from its start position";
     "force" "n" Axis Number sample.force "force F_e of the tool on the environment, base axes";
-    "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled";
+    "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled, or its task follows a surface";
     "wall_distance" "m" Period OptionalNumber sample.wall_distance "distance to the nearest wall, negative in contact; empty without a wall";
     "least_distance" "m" Period OptionalNumber watched.least_distance "least distance of the pairs of shapes that the controller watches, at the sensed posture and of the last answer; empty without a pair";
     "path" "" Period Word sample.path "solution path of the command: `closed_form`, `active_set`, `qp`, …";

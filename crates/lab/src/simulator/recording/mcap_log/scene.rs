@@ -123,9 +123,9 @@ fn arm(sample: &Sample, links: &[IsometryMatrix3<f64>]) -> Vec<LinePrimitive> {
     vec![line]
 }
 
-/// Returns the shape of a surface; `None` for a spring.
+/// Returns the shape of a surface; `None` for a spring or a door.
 fn surface(contact: &Contact) -> Option<Shape> {
-    let is_surface = contact.kind != ContactKind::Spring;
+    let is_surface = !matches!(contact.kind, ContactKind::Spring | ContactKind::Door);
     // The scenario of a recording is valid.
     is_surface.then(|| Shape::new(contact, "").ok()).flatten()
 }
@@ -136,7 +136,7 @@ fn add_surface(entity: &mut SceneEntity, start: Direction<f64>, shape: &Shape) {
         Some(Pose { position: Some(vector(middle.into())), orientation: Some(quaternion(turn)) })
     };
     match shape.form {
-        Form::Flat => entity.cubes.push(plate(start, shape.inward, shape.offset)),
+        Form::Flat | Form::Step { .. } => entity.cubes.push(plate(start, shape.inward, shape.offset)),
         Form::Round { axis, radius } => {
             let (middle, diameter) = (start + shape.center(radius), 2.0 * radius);
             let Some(axis) = axis else {
