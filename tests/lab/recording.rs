@@ -176,7 +176,7 @@ fn documentation_lists_every_column() {
         watched: true,
         channels: 0,
         contacts: 1,
-        surfaces: true,
+        surfaces: 1,
         joints: &joints,
         tasks: 1,
         sensed: true,

@@ -219,7 +219,7 @@ fn runs_that_cannot_be_compared_have_an_infinite_difference() {
 #[test]
 fn force_of_a_law_that_follows_a_surface_is_that_along_the_normal() {
     let pressed = |(i, force): (i32, &f64)| {
-        let mut contacts = Contacts::approaching(1, true);
+        let mut contacts = Contacts::approaching(1, 1);
         (contacts.force[0], contacts.target_force[0]) = (*force, 20.0);
         let no_target = Sample { target_force: [None; 3], contacts, ..in_contact_with(0.1 * f64::from(i), 0.0) };
         Sample { force: [0.0, 0.0, -0.9 * force], ..no_target }

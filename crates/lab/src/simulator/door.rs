@@ -179,7 +179,7 @@ mod tests {
     const RADIUS: f64 = 0.3;
 
     /// A door with its hinge 0.3 m from the tool in the direction of y, about z.
-    fn door(hinge: serde_json::Value) -> Door {
+    fn door(hinge: &serde_json::Value) -> Door {
         let contact = json!({"kind": "door", "axis": "z", "normal": [0, -1, 0], "radius_m": RADIUS, "stiffness": 1e4,
             "hinge": hinge});
         Door::new(&serde_json::from_value(contact).unwrap(), "").unwrap()
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn door_stays_below_the_friction_of_its_hinge() {
-        let mut door = door(json!({"friction": 1.0}));
+        let mut door = door(&json!({"friction": 1.0}));
         // 3.3 N at 0.3 m is 0.99 N·m.
         assert!(pulled(&mut door, 3.3, 1.0, 1e-3).iter().all(|angle| *angle == 0.0));
         assert!(*pulled(&mut door, 3.4, 0.1, 1e-3).last().unwrap() > 0.0);
@@ -216,7 +216,7 @@ mod tests {
         let hinge = json!({"friction": friction, "damping": damping, "inertia": inertia});
         let (omega, tau) = ((force * RADIUS - friction) / damping, inertia / damping);
         let exact = omega * 0.3 - omega * tau * (1.0 - (-0.3 / tau).exp());
-        let error = |dt: f64| (pulled(&mut door(hinge.clone()), force, 0.3, dt).last().unwrap() - exact).abs();
+        let error = |dt: f64| (pulled(&mut door(&hinge), force, 0.3, dt).last().unwrap() - exact).abs();
         let [coarse, fine] = [1e-3, 1e-4].map(error);
         assert!(exact > 0.3 && coarse < 0.02 && fine < 0.15 * coarse, "{exact} {coarse} {fine}");
     }
@@ -224,7 +224,7 @@ mod tests {
     /// A tool on the circle, and one that is 1 mm outside of it.
     #[test]
     fn grip_pushes_and_pulls_across_the_motion() {
-        let mut door = door(json!({"inertia": 0.1}));
+        let mut door = door(&json!({"inertia": 0.1}));
         assert_eq!(door.step(Vector3::zeros(), Vector3::zeros(), 1e-3), Vector3::zeros());
         for sign in [1.0, -1.0] {
             let force = door.step(Vector3::new(0.0, -1e-3 * sign, 2e-3), Vector3::zeros(), 1e-3);
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn work_of_the_tool_is_stored_or_dissipated() {
         let balance = |steps: u32| {
-            let mut door = door(json!({"friction": 1.0, "damping": 0.5, "inertia": 0.2}));
+            let mut door = door(&json!({"friction": 1.0, "damping": 0.5, "inertia": 0.2}));
             let dt = 1.0 / f64::from(steps);
             for step in 0..=steps {
                 let t = f64::from(step) * dt;

@@ -245,7 +245,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn contact(fields: serde_json::Value) -> Contact {
+    fn contact(fields: &serde_json::Value) -> Contact {
         let mut whole = json!({"stiffness": 1000.0});
         whole.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
         serde_json::from_value(whole).unwrap()
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn depth_of_a_round_shape_is_its_radius_less_the_distance_to_its_middle() {
         let cylinder =
-            contact(json!({"kind": "cylinder", "axis": "y", "normal": [3, 0, 4], "offset_m": 0.1, "radius_m": 0.4}));
+            contact(&json!({"kind": "cylinder", "axis": "y", "normal": [3, 0, 4], "offset_m": 0.1, "radius_m": 0.4}));
         let sphere = Contact { axis: None, kind: ContactKind::Sphere, ..cylinder.clone() };
         // The middle is 0.5 m from the start, against the normal.
         let middle = Vector3::new(-0.3, 0.0, -0.4);
@@ -277,7 +277,7 @@ mod tests {
     /// A hole of 20 mm with a clearance of 1 mm, 5 mm beside the tool, which is 3 mm above the plane.
     #[test]
     fn depth_at_a_hole_is_the_way_to_the_nearest_free_place() {
-        let plane = contact(json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.003,
+        let plane = contact(&json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.003,
             "hole": {"center": [0.005, 0, 7], "clearance_m": 0.001, "depth_m": 0.02}}));
         let shape = Shape::new(&plane, "").unwrap();
         let (down, outward) = (-Vector3::z(), Vector3::x());
@@ -306,7 +306,7 @@ mod tests {
     /// An edge 8 mm in front of the tool along y, with a lower level 5 mm below it.
     #[test]
     fn plane_ends_at_its_edge() {
-        let plane = contact(json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.003,
+        let plane = contact(&json!({"kind": "plane", "normal": [0, 0, 1], "offset_m": 0.003,
             "edge": {"direction": [0, 2, 0], "distance_m": 0.008, "depth_m": 0.005}}));
         let shape = Shape::new(&plane, "").unwrap();
         let (down, back) = (-Vector3::z(), -Vector3::y());
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_field_that_is_missing_or_out_of_place() {
-        let problem = |fields| Shape::new(&contact(fields), "/contacts/0").unwrap_err().to_string();
+        let problem = |fields| Shape::new(&contact(&fields), "/contacts/0").unwrap_err().to_string();
         for (fields, expected) in [
             (json!({"kind": "wall"}), "`contacts.0.axis` is missing"),
             (json!({"kind": "wall", "axis": "x", "normal": [1, 0, 0]}), "`contacts.0.normal` is not for"),

@@ -240,7 +240,7 @@ mod tests {
         let mut streams = streams(json!({"kind": "spiral_search", "task": "search", "pitch_m": 1e-3, "speed": 0.01,
             "inserted_m": 0.003}))
         .unwrap();
-        let mut sample = Sample { contacts: Contacts::approaching(1, false), ..Sample::at_rest() };
+        let mut sample = Sample { contacts: Contacts::approaching(1, 0), ..Sample::at_rest() };
         let mut place = |height: f64, sample: &Sample| {
             let target = streams.next([0.4, 0.1, height], Some(sample)).remove("search").unwrap();
             let [x, y, z] = target.pose.unwrap().position.unwrap();

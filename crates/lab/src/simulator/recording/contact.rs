@@ -87,9 +87,8 @@ impl fmt::Display for ContactEvent {
 }
 
 impl Contacts {
-    /// Returns contacts that approach, for a number of axes, of which some follow a surface or none does.
-    pub fn approaching(axes: usize, follow_surfaces: bool) -> Self {
-        let surfaces = if follow_surfaces { axes } else { 0 };
+    /// Returns contacts that approach, for a number of axes. `surfaces`: the same number if an axis follows a surface, otherwise 0.
+    pub fn approaching(axes: usize, surfaces: usize) -> Self {
         Self {
             state: vec![ContactWord::Approach; axes],
             event: vec![ContactEvent::None; axes],
@@ -113,7 +112,7 @@ impl Contacts {
             force: reports().map(|report| report.force).collect(),
             target_force: reports().map(|report| report.target_force).collect(),
             stiffness: reports().map(|report| report.stiffness).collect(),
-            surface: Surfaces::of(reports().map(|report| report.surface.as_ref()).collect()),
+            surface: Surfaces::of(&reports().map(|report| report.surface.as_ref()).collect::<Vec<_>>()),
         }
     }
 
@@ -130,7 +129,7 @@ impl Contacts {
 
 impl Surfaces {
     /// Returns the surfaces of the axes with the law `contact`.
-    fn of(reports: Vec<Option<&wire::SurfaceReport>>) -> Self {
+    fn of(reports: &[Option<&wire::SurfaceReport>]) -> Self {
         if reports.iter().all(Option::is_none) {
             return Self::default();
         }

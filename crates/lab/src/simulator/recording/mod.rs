@@ -257,9 +257,9 @@ impl Sample {
         self.limits.iter().any(|limit| *limit != AtLimit::Free)
     }
 
-    /// Returns a sample of zeros for the given number of joints, tasks, channels and axes in contact.
+    /// Returns a sample of zeros for the given number of joints, tasks, channels, axes in contact, and surfaces.
     #[cfg(feature = "files")]
-    fn zeros(joints: usize, [tasks, channels, contacts]: [usize; 3], [surfaces, sensed]: [bool; 2]) -> Self {
+    fn zeros(joints: usize, [tasks, channels, contacts, surfaces]: [usize; 4], sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };

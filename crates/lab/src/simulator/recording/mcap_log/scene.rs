@@ -221,8 +221,7 @@ mod tests {
         });
         let mut recording = Recording::empty();
         recording.setup = Some(serde_json::from_value(scenario).unwrap());
-        recording.samples =
-            vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, [1, 0, 0], [false; 2]) }];
+        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, [1, 0, 0, 0], false) }];
         recording
     }
 
