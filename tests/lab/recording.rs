@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
 use revprio_api::wire;
-use revprio_lab::simulator::recording::{AtLimit, Format, Recording, Sensed, TableLayout, read};
+use revprio_lab::simulator::recording::{AtLimit, Format, Recording, Sensed, Surfaces, TableLayout, read};
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 /// A directory that is removed when dropped.
@@ -172,8 +172,16 @@ fn errors_name_files_columns_and_values_that_are_not_valid() {
 fn documentation_lists_every_column() {
     let text = include_str!("../../docs/recordings.md");
     let joints = ["JOINT".to_owned()];
-    let all =
-        TableLayout { watched: true, channels: 0, contacts: 0, joints: &joints, tasks: 1, sensed: true, timed: true };
+    let all = TableLayout {
+        watched: true,
+        channels: 0,
+        contacts: 1,
+        surfaces: 1,
+        joints: &joints,
+        tasks: 1,
+        sensed: true,
+        timed: true,
+    };
     let missing: Vec<String> = all
         .columns()
         .iter()
@@ -212,5 +220,33 @@ fn the_commands_of_channels_are_recorded_in_every_format() {
             back.samples.iter().map(|sample| &sample.channels).eq(recording.samples.iter().map(|s| &s.channels)),
             "{format:?}"
         );
+    }
+}
+
+#[test]
+fn the_normal_of_a_surface_is_recorded_in_every_format() {
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
+    let mut scenario = Scenario::find("wiping").unwrap();
+    scenario.duration_s = 4.0;
+    let recording =
+        run(&scenario, &Client::new(&server.url()), CallMode::Session, |_| ControlFlow::Continue(())).unwrap();
+    let surfaces = |recording: &Recording| -> Vec<Surfaces> {
+        recording.samples.iter().map(|sample| sample.contacts.surface.clone()).collect()
+    };
+    let [first, last] = [0, recording.samples.len() - 1].map(|i| &recording.samples[i].contacts.surface);
+    // The stated axis until the tool slides, and then the normal of the plane, into it, and its friction.
+    let [x, _, z] = first.normal[0].map(Option::unwrap);
+    assert!(
+        x.abs() < 1e-12 && (z + 1.0).abs() < 1e-12 && first.friction == [None] && first.normal_uncertainty == [None]
+    );
+    let outward = scenario.contacts[0].normal.unwrap();
+    let cosine: f64 = (0..3).map(|i| -outward[i] * last.normal[0][i].unwrap()).sum();
+    assert!(cosine > 1.0_f64.to_radians().cos(), "{cosine}");
+    assert!((last.friction[0].unwrap() - 0.3).abs() < 0.03 && last.normal_uncertainty[0].unwrap() < 0.1, "{last:?}");
+    let scratch = Scratch::new("surfaces");
+    for format in Format::ALL {
+        let file = scratch.file(format);
+        format.write_file(&recording, false, &file).unwrap();
+        assert!(surfaces(&read(&file).unwrap()) == surfaces(&recording), "{format:?}");
     }
 }

@@ -6,7 +6,8 @@ use revprio::service::{AppState, Robots, RunningServer, router};
 use revprio_api::Client;
 use revprio_api::wire::{self, Method, Solver};
 use revprio_lab::report::metrics::{Metrics, largest_difference};
-use revprio_lab::simulator::recording::{AtLimit, ContactEvent, Recording, Sample};
+use revprio_lab::simulator::recording::{AtLimit, ContactEvent, ContactWord, Energy, Recording, Sample};
+use revprio_lab::simulator::replay::replay;
 use revprio_lab::simulator::{CallMode, Scenario, run};
 
 fn scenario(name: &str) -> Scenario {
@@ -217,14 +218,20 @@ fn press_touches_a_wall_of_unknown_stiffness_once_and_settles() {
     assert!(settled < 1.5, "{settled}");
 }
 
-#[test]
-fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
-    let followed = scenario("wiping");
-    let mut fixed = followed.clone();
+/// Returns a scenario whose law `contact` does not follow the surface.
+fn without_surface(scenario: &Scenario) -> Scenario {
+    let mut fixed = scenario.clone();
     let Some(wire::Law::Contact { surface, .. }) = &mut fixed.controller.tasks[0].law else {
         unreachable!("it presses with the law `contact`")
     };
     *surface = None;
+    fixed
+}
+
+#[test]
+fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
+    let followed = scenario("wiping");
+    let fixed = without_surface(&followed);
     let normal = followed.contacts[0].normal.unwrap();
     let pressed = |s: &Sample| -(0..3).map(|i| s.force[i] * normal[i]).sum::<f64>();
     let error = |s: &Sample| (pressed(s) - 20.0).abs();
@@ -247,6 +254,135 @@ fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
     let run = served(&fixed);
     let peak = largest(&run.samples, pressed);
     assert!(peak > 100.0 && lost(&run) > 0, "{peak}");
+}
+
+/// The middle of the cylinder is 0.153 m from the start. The tool goes over its crest, which is x = 51 mm.
+#[test]
+fn wiping_a_curved_surface_keeps_the_normal_force_because_it_follows_the_normal() {
+    let followed = scenario("wiping_curved");
+    let outward = followed.contacts[0].normal.unwrap();
+    let middle = outward.map(|part| -0.153 * part);
+    let normal = |s: &Sample| {
+        let [x, z] = [0, 2].map(|i| s.position_error[i] - middle[i]);
+        let distance = x.hypot(z);
+        [x / distance, z / distance]
+    };
+    let pressed = |s: &Sample| -(s.force[0] * normal(s)[0] + s.force[2] * normal(s)[1]);
+    let slope_deg = |s: &Sample| normal(s)[0].asin().to_degrees();
+    let later = |run: &Recording| {
+        let slides = &run.samples[2000..];
+        let slid = |s: &Sample| distance(s.position_error, slides[0].position_error);
+        slides[slides.iter().position(|s| slid(s) > 5e-3).unwrap()..].to_vec()
+    };
+    let error = |samples: &[Sample]| largest(samples, |s| (pressed(s) - 20.0).abs());
+
+    let run = later(&served(&followed));
+    assert!(error(&run) < 1.0, "{}", error(&run));
+    let slopes = [-largest(&run, |s| -slope_deg(s)), largest(&run, slope_deg)];
+    assert!((-19.5..-18.5).contains(&slopes[0]) && (18.0..19.0).contains(&slopes[1]), "{slopes:?}");
+    let speed = run.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);
+    let speed = speed.fold(0.0, f64::max);
+    assert!((0.045..0.05).contains(&speed), "{speed}");
+    // The reported normal is a mean over the last 5 mm, in which the surface turns by 1.9 degrees.
+    let off = largest(&run, |s| {
+        let [x, _, z] = s.contacts.surface.normal[0].map(Option::unwrap);
+        (x * normal(s)[1] - z * normal(s)[0]).asin().abs().to_degrees()
+    });
+    assert!(off < 4.0, "{off}");
+
+    let run = later(&served(&without_surface(&followed)));
+    assert!(error(&run) > 4.0, "{}", error(&run));
+}
+
+/// The hinge is 0.3 m from the handle in the direction of y. Without the program, the force stays along x.
+#[test]
+fn door_opens_without_a_force_across_its_motion_because_the_force_turns_with_it() {
+    let turning = scenario("door");
+    let mut fixed = Scenario { duration_s: 15.0, ..turning.clone() };
+    fixed.target_programs.clear();
+    let arm = |s: &Sample| {
+        let [x, y, _] = s.position_error;
+        [x, y - 0.3]
+    };
+    let angle = |s: &Sample| arm(s)[0].atan2(-arm(s)[1]);
+    let across = |s: &Sample| (s.force[0] * arm(s)[0] + s.force[1] * arm(s)[1]).abs() / arm(s)[0].hypot(arm(s)[1]);
+    let until_open = |run: &Recording| {
+        let open = run.samples.iter().position(|s| angle(s) > 60.0_f64.to_radians());
+        run.samples[..open.expect("the door opens")].to_vec()
+    };
+
+    let run = served(&turning);
+    let opening = until_open(&run);
+    assert!(largest(&opening, across) < 1.0, "{}", largest(&opening, across));
+    let off_circle = largest(&run.samples, |s| (arm(s)[0].hypot(arm(s)[1]) - 0.3).abs());
+    assert!(off_circle < 2e-4, "{off_circle}");
+    let Energy { work_j, dissipated_j, .. } = run.energy;
+    assert!(dissipated_j > 1.0 && run.energy.imbalance_j().abs() < 0.02 * work_j, "{:?}", run.energy);
+
+    let opening = until_open(&served(&fixed));
+    assert!(largest(&opening, across) > 12.0, "{}", largest(&opening, across));
+}
+
+/// The hole is 2.8 mm beside the peg, 3 mm below it, and 20 mm deep.
+#[test]
+fn peg_falls_into_a_hole_because_a_spiral_finds_it() {
+    let searching = scenario("peg");
+    let mut straight = searching.clone();
+    straight.target_programs.clear();
+    let height = |s: &Sample| s.position_error[2];
+    let pressed = |run: &Recording| {
+        let last = between(run, 5.0, 5.9);
+        last.iter().map(|s| -s.force[2]).sum::<f64>() / last.len() as f64
+    };
+
+    let run = served(&searching);
+    let end = run.samples.last().unwrap();
+    assert!((height(end) + 0.023).abs() < 1e-3, "{}", height(end));
+    assert!((end.position_error[0] - 0.002).hypot(end.position_error[1] + 0.002) < 6e-4, "{:?}", end.position_error);
+    assert!((pressed(&run) - 10.0).abs() < 0.1, "{}", pressed(&run));
+    let most = largest(&run.samples, |s| s.force[0].hypot(s.force[1]).hypot(s.force[2]));
+    assert!(end.contacts.state[0] == ContactWord::Contact && most < 20.0, "{most}");
+
+    let run = served(&straight);
+    assert!(height(run.samples.last().unwrap()) > -4e-3 && (pressed(&run) - 10.0).abs() < 0.1, "{}", pressed(&run));
+}
+
+/// The edge is 8 mm in front of the peg, 3 mm below it, and 5 mm high.
+#[test]
+fn peg_presses_up_to_an_edge_and_below_it() {
+    let run = served(&scenario("peg_edge"));
+    let beyond = run.samples.iter().position(|s| s.position_error[1] > 0.008).unwrap();
+    let start = run.samples.partition_point(|s| s.time_s < 1.0);
+    let error = |s: &Sample| (s.force[2] + 10.0).abs();
+    // The last 50 ms are the fall itself: the peg slides into the free place from a depth of 0.1 mm.
+    let near = &run.samples[start..beyond - 25];
+    assert!(largest(near, error) < 1.0, "{}", largest(near, error));
+    let height = |s: &Sample| s.position_error[2];
+    let end = run.samples.last().unwrap();
+    assert!((height(end) + 0.0081).abs() < 1e-4 && end.position_error[1] > 0.018, "{:?}", end.position_error);
+    let last = between(&run, 5.0, 5.9);
+    assert!(largest(last, error) < 0.5, "{}", largest(last, error));
+    let lost = run.samples.iter().filter(|s| s.contacts.event[0] == ContactEvent::Loss).count();
+    assert_eq!(lost, 1);
+}
+
+#[test]
+fn replay_streams_the_same_targets() {
+    let server = RunningServer::start(router(AppState::new(Robots::built_in()))).unwrap();
+    let client = Client::new(&server.url());
+    let recorded = |name: &str| {
+        let scenario = Scenario { duration_s: 1.0, ..scenario(name) };
+        run(&scenario, &client, CallMode::Session, |_| ControlFlow::Continue(())).unwrap()
+    };
+    for name in ["door", "peg"] {
+        let mut recording = recorded(name);
+        let again = |recording: &Recording| {
+            replay(recording, &client, CallMode::Session, 0.0, |_| ControlFlow::Continue(())).unwrap().differing
+        };
+        assert_eq!(again(&recording), 0, "{name}");
+        recording.setup.as_mut().unwrap().target_programs.clear();
+        assert!(again(&recording) > 100, "{name}");
+    }
 }
 
 #[test]

@@ -14,7 +14,9 @@ use revprio_core::streaming::{
 };
 use revprio_core::surface::SurfaceSettings;
 use revprio_core::wrench::MIN_TARE_READINGS;
-use revprio_lab::simulator::{Contact, Faults, Friction, Outage, Scenario, Sensor, Sensors, VelocityLoop};
+use revprio_lab::simulator::{
+    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop,
+};
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
 
@@ -144,27 +146,6 @@ fn request_ranges() -> Vec<FieldRange> {
             delay_periods: UpTo(MAX_DELAY_PERIODS),
         }
         wire::State { time_s: Between(-MAX_TIME_S, MAX_TIME_S) }
-        Scenario {
-            duration_s: Positive,
-            start_joint_position: Items(1, MAX_JOINTS),
-            contacts: Items(0, 100),
-            obstacle_motions: Items(0, MAX_OBSTACLES),
-            substeps: Between(1.0, 1000.0),
-        }
-        VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
-        Contact { normal: Items(3, 3), stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
-        Friction { coulomb: NotNegative, viscous: NotNegative, sticking_speed_m_s: Positive }
-        Sensors { wrench_filter_s: NotNegative }
-        Sensor { noise: NotNegative, quantum: NotNegative }
-        Faults {
-            dropped: Between(0.0, 1.0),
-            late: Between(0.0, 1.0),
-            late_periods: UpTo(10_000),
-            repeated: Between(0.0, 1.0),
-            reordered: Between(0.0, 1.0),
-            outages: Items(0, 100),
-        }
-        Outage { start_s: Positive, duration_s: NotNegative }
         wire::Collisions { min_distance_m: Between(0.0, 1.0), rate_per_s: Between(RATE_PER_S.0, RATE_PER_S.1), obstacles: Items(0, MAX_OBSTACLES) }
         wire::Sphere { center: Items(3, 3), radius: Positive }
         wire::Capsule { start: Items(3, 3), end: Items(3, 3), radius: Positive }
@@ -342,6 +323,39 @@ fn target_ranges() -> Vec<FieldRange> {
     }
 }
 
+/// Returns the ranges of fields of scenarios.
+fn scenario_ranges() -> Vec<FieldRange> {
+    field_ranges! {
+        Scenario {
+            duration_s: Positive,
+            start_joint_position: Items(1, MAX_JOINTS),
+            contacts: Items(0, 100),
+            obstacle_motions: Items(0, MAX_OBSTACLES),
+            target_programs: Items(0, 100),
+            substeps: Between(1.0, 1000.0),
+        }
+        VelocityLoop { lag_s: NotNegative, delay_periods: UpTo(10_000) }
+        Contact { normal: Items(3, 3), radius_m: Positive, stiffness: NotNegative, damping: NotNegative, inertia: NotNegative }
+        Edge { direction: Items(3, 3), depth_m: Positive }
+        Hole { center: Items(3, 3), clearance_m: Positive, depth_m: Positive }
+        Hinge { inertia: NotNegative, damping: NotNegative, friction: NotNegative }
+        TargetProgram as TargetProgram::ForceAlongMotion { start_direction: Items(3, 3), memory_m: Positive }
+        TargetProgram as TargetProgram::SpiralSearch { pitch_m: Positive, speed: Positive, inserted_m: Positive }
+        Friction { coulomb: NotNegative, viscous: NotNegative, sticking_speed_m_s: Positive }
+        Sensors { wrench_filter_s: NotNegative }
+        Sensor { noise: NotNegative, quantum: NotNegative }
+        Faults {
+            dropped: Between(0.0, 1.0),
+            late: Between(0.0, 1.0),
+            late_periods: UpTo(10_000),
+            repeated: Between(0.0, 1.0),
+            reordered: Between(0.0, 1.0),
+            outages: Items(0, 100),
+        }
+        Outage { start_s: Positive, duration_s: NotNegative }
+    }
+}
+
 /// Returns the ranges of fields of answers.
 fn answer_ranges() -> Vec<FieldRange> {
     field_ranges! {
@@ -398,7 +412,15 @@ pub fn complete(document: &mut Value) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
         }
     }
-    let ranges = [request_ranges(), sensor_ranges(), law_ranges(), memory_ranges(), target_ranges(), answer_ranges()];
+    let ranges = [
+        request_ranges(),
+        scenario_ranges(),
+        sensor_ranges(),
+        law_ranges(),
+        memory_ranges(),
+        target_ranges(),
+        answer_ranges(),
+    ];
     for FieldRange { schema, field, range } in ranges.into_iter().flatten() {
         let Some(schema) = schemas.get_mut(&schema) else { panic!("the document has no schema {schema}") };
         let mut count = 0;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use revprio_api::wire;
+use revprio_lab::simulator::TargetProgram;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
@@ -38,6 +39,7 @@ pub fn complete(document: &mut Value) {
         schema_name::<wire::Limits>(),
         schema_name::<wire::NullSpaceMotion>(),
         schema_name::<wire::Profile>(),
+        schema_name::<TargetProgram>(),
     ];
     for name in closed_enums {
         for variant in variants(&mut document["components"]["schemas"][name]) {

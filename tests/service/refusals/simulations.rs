@@ -40,6 +40,20 @@ pub const ROWS: &[Row] = &[
     ("/scenario/contacts/0/normal", "[1, 0, 0]", 422, "/scenario/contacts/0/normal"),
     ("/scenario/contacts/0/kind", r#""plane""#, 422, "/scenario/contacts/0/axis"),
     ("/scenario/contacts/0/axis", OMITTED, 422, "/scenario/contacts/0/axis"),
+    ("/scenario/contacts/0/radius_m", "0.1", 422, "/scenario/contacts/0/radius_m"),
+    ("/scenario/contacts/0/hinge", r#"{"friction": 1}"#, 422, "/scenario/contacts/0/hinge"),
+    (
+        "/scenario/contacts/0/hole",
+        r#"{"center": [0, 0, 0], "clearance_m": 1e-3, "depth_m": 0.02}"#,
+        422,
+        "/scenario/contacts/0/hole",
+    ),
+    (
+        "/scenario/target_programs",
+        r#"[{"kind": "spiral_search", "task": "none", "pitch_m": 1e-3, "speed": 0.01, "inserted_m": 3e-3}]"#,
+        422,
+        "/scenario/target_programs/0/task",
+    ),
     ("/scenario/contacts/0/friction", r#"{"coulomb": -1}"#, 422, "/scenario/contacts/0/friction/coulomb"),
     (
         "/scenario/contacts/0/friction",

@@ -71,16 +71,20 @@ __all__ = [
     "Damping",
     "DenavitHartenberg",
     "DriveState",
+    "Edge",
     "Environment",
     "EnvironmentAxis",
     "ExplicitLimits",
     "Fade",
     "Faults",
+    "ForceAlongMotionTargetProgram",
     "ForceLaw",
     "Frame",
     "FramePose",
     "Friction",
     "HalfSpace",
+    "Hinge",
+    "Hole",
     "HybridLaw",
     "ImpedanceLaw",
     "Inequality",
@@ -181,6 +185,7 @@ __all__ = [
     "SolverLevel",
     "SolverReport",
     "Sphere",
+    "SpiralSearchTargetProgram",
     "StabilityAnswer",
     "StabilityRequest",
     "Stall",
@@ -202,6 +207,7 @@ __all__ = [
     "TareRequest",
     "TargetAhead",
     "TargetPose",
+    "TargetProgram",
     "TargetReference",
     "TargetSample",
     "TargetState",
@@ -1798,8 +1804,29 @@ class Collisions(Body):
     10."""
 
 
-ContactKind = Literal["spring", "wall", "plane"]
+ContactKind = Literal["spring", "wall", "plane", "cylinder", "sphere", "door"]
 """Kind of a contact."""
+
+
+class Edge(Body):
+    """A straight edge at which a plane ends, with a lower level beyond it. A peg presses on the plane until its whole
+    lower end is beyond the edge of a block: for a peg with a radius, `distance_m` is that to the edge, and its
+    radius.
+
+    Fields:
+
+    - depth_m: Depth of the lower level below the plane, m.
+    - direction: Direction from the plane over the edge, square to the normal, base axes; of any length except zero.
+      Shape: 3.
+    - distance_m: Distance of the edge from the start position of the tool, along the direction, m.
+    """
+
+    depth_m: float
+    """Depth of the lower level below the plane, m."""
+    direction: Vector
+    """Direction from the plane over the edge, square to the normal, base axes; of any length except zero. Shape: 3."""
+    distance_m: float
+    """Distance of the edge from the start position of the tool, along the direction, m."""
 
 
 class Friction(Body):
@@ -1820,8 +1847,46 @@ class Friction(Body):
     """Viscous friction B_t, N·s/m, during contact."""
 
 
+class Hinge(Body):
+    """The hinge of a door with the angle θ: torque I θ̈ + b θ̇ and friction.
+
+    Fields:
+
+    - damping: Damping b, N·m·s/rad.
+    - friction: Torque of dry friction, N·m. The door does not move while the tool turns it with less.
+    - inertia: Moment of inertia I of the door about the hinge, kg·m².
+    """
+
+    damping: float | None = None
+    """Damping b, N·m·s/rad."""
+    friction: float | None = None
+    """Torque of dry friction, N·m. The door does not move while the tool turns it with less."""
+    inertia: float | None = None
+    """Moment of inertia I of the door about the hinge, kg·m²."""
+
+
+class Hole(Body):
+    """A round hole for a round peg that stays upright. The tool point is the middle of its lower end.  A peg above the
+    rim presses on the plane with its whole force. Where it is less deep in the side of the hole than in the plane, the
+    force is that of the side, towards the hole.
+
+    Fields:
+
+    - center: A point on the axis of the hole, relative to the start position of the tool, base axes, m. Shape: 3.
+    - clearance_m: Radius of the hole less that of the peg, m.
+    - depth_m: Depth of the hole, m.
+    """
+
+    center: Vector
+    """A point on the axis of the hole, relative to the start position of the tool, base axes, m. Shape: 3."""
+    clearance_m: float
+    """Radius of the hole less that of the peg, m."""
+    depth_m: float
+    """Depth of the hole, m."""
+
+
 class Contact(Body):
-    """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along one direction, with friction along the surface.  Paper: Eq.
+    """A contact: F_e = M_e Ẍ + B_e Ẋ + K_e (X − X_0) along its normal, with friction along the surface.  Paper: Eq.
     (36). Departs: the paper does not print X_0, the position of the surface. It may move; velocity and acceleration are
     relative to it.
 
@@ -1829,14 +1894,20 @@ class Contact(Body):
 
     - kind: Kind of contact.
     - stiffness: Stiffness K_e, N/m.
-    - axis: Base axis of a spring or a wall.
+    - axis: Base axis of a spring or a wall, along a cylinder, or of the hinge of a door.
     - damping: Damping B_e, N·s/m.
-    - friction: Friction along a wall or a plane; none by default.
+    - edge: An edge at which a plane ends; none by default.
+    - friction: Friction along a surface; none by default. A spring has no surface.
+    - hinge: What resists a door; nothing by default.
+    - hole: A hole in a plane for a peg at the tool; none by default.
     - inertia: Inertia M_e, kg.
     - motion: Motion that is added to `offset_m`, m, one value.
-    - normal: Normal of a plane, out of the material, base axes; of any length except zero. Shape: 3.
+    - normal: Normal of a plane, a cylinder or a sphere at the place that is nearest to the start position of the
+      tool, out of the material, base axes; of any length except zero. For a door: from the hinge to the handle.
+      Shape: 3.
     - offset_m: X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is
-      in the negative direction. For a plane: the distance of the tool to it, against the normal.
+      in the negative direction. With a `normal`: the distance of the tool to the surface, against the normal.
+    - radius_m: Radius of a cylinder or a sphere, or distance from the hinge of a door to its handle, m.
     """
 
     kind: ContactKind
@@ -1844,20 +1915,29 @@ class Contact(Body):
     stiffness: float
     """Stiffness K_e, N/m."""
     axis: Literal["x", "y", "z"] | None = None
-    """Base axis of a spring or a wall."""
+    """Base axis of a spring or a wall, along a cylinder, or of the hinge of a door."""
     damping: float | None = None
     """Damping B_e, N·s/m."""
+    edge: Edge | None = None
+    """An edge at which a plane ends; none by default."""
     friction: Friction | None = None
-    """Friction along a wall or a plane; none by default."""
+    """Friction along a surface; none by default. A spring has no surface."""
+    hinge: Hinge | None = None
+    """What resists a door; nothing by default."""
+    hole: Hole | None = None
+    """A hole in a plane for a peg at the tool; none by default."""
     inertia: float | None = None
     """Inertia M_e, kg."""
     motion: Profile | None = None
     """Motion that is added to `offset_m`, m, one value."""
     normal: Vector | None = None
-    """Normal of a plane, out of the material, base axes; of any length except zero. Shape: 3."""
+    """Normal of a plane, a cylinder or a sphere at the place that is nearest to the start position of the tool, out of
+    the material, base axes; of any length except zero. For a door: from the hinge to the handle. Shape: 3."""
     offset_m: float | None = None
     """X_0 relative to the start position of the tool, m, along the axis. A wall with a negative offset is in the
-    negative direction. For a plane: the distance of the tool to it, against the normal."""
+    negative direction. With a `normal`: the distance of the tool to the surface, against the normal."""
+    radius_m: float | None = None
+    """Radius of a cylinder or a sphere, or distance from the hinge of a door to its handle, m."""
 
 
 class NormalMemory(Body):
@@ -3727,6 +3807,61 @@ class Sensors(Body):
     """Time constant τ of a first-order low-pass filter for force and torque, s; no filter if 0."""
 
 
+class ForceAlongMotionTargetProgram(Tagged):
+    """A force along the motion of the tool, as for a door or a drawer whose direction is not known.
+
+    Fields:
+
+    - force: Force F_d, N.
+    - kind: Selects the variant.
+    - memory_m: Way of the tool after which a direction of its motion is forgotten to 1/e, m.
+    - start_direction: Direction of the force at the start, base axes; of any length except zero. Shape: 3.
+    - task: Name of a task with the law `force` and the axes x, y and z of the base.
+    """
+
+    force: float
+    """Force F_d, N."""
+    kind: Literal["force_along_motion"] = "force_along_motion"
+    """Selects the variant."""
+    memory_m: float
+    """Way of the tool after which a direction of its motion is forgotten to 1/e, m."""
+    start_direction: Vector
+    """Direction of the force at the start, base axes; of any length except zero. Shape: 3."""
+    task: str
+    """Name of a task with the law `force` and the axes x, y and z of the base."""
+
+
+class SpiralSearchTargetProgram(Tagged):
+    """A spiral of Archimedes, as for a peg whose hole is not where it should be. The tool moves along it while the
+    first axis with the law `contact` is in contact.
+
+    Fields:
+
+    - inserted_m: Depth below the place of the first contact at which the search ends, m. The task then holds the
+      place.
+    - kind: Selects the variant.
+    - pitch_m: Distance of two turns, m.
+    - speed: Speed along the spiral, m/s.
+    - task: Name of a task with the law `pose` and the axes x and y of the base.
+    """
+
+    inserted_m: float
+    """Depth below the place of the first contact at which the search ends, m. The task then holds the place."""
+    kind: Literal["spiral_search"] = "spiral_search"
+    """Selects the variant."""
+    pitch_m: float
+    """Distance of two turns, m."""
+    speed: float
+    """Speed along the spiral, m/s."""
+    task: str
+    """Name of a task with the law `pose` and the axes x and y of the base."""
+
+
+TargetProgram = Annotated[ForceAlongMotionTargetProgram | SpiralSearchTargetProgram, Field(discriminator="kind")]
+"""A program that streams the target of a task in each period. It knows the place of the tool and the last
+answer."""
+
+
 class VelocityLoop(Body):
     """How the arm follows a commanded velocity. The default is an ideal arm.
 
@@ -3764,6 +3899,7 @@ class Scenario(Body):
     - seed: Seed of noise and faults; the same seed gives the same run.
     - sensors: Errors of the sensors.
     - substeps: Integration steps of arm and contacts per period.
+    - target_programs: Programs that stream targets of tasks, as an application would.
     - velocity_loop: How the arm follows its commands.
     """
 
@@ -3793,6 +3929,8 @@ class Scenario(Body):
     """Errors of the sensors."""
     substeps: int | None = None
     """Integration steps of arm and contacts per period."""
+    target_programs: list[TargetProgram] | None = None
+    """Programs that stream targets of tasks, as an application would."""
     velocity_loop: VelocityLoop | None = None
     """How the arm follows its commands."""
 

@@ -39,7 +39,45 @@ pub struct Residual {
     pub largest: f64,
 }
 
-/// Metrics of one run. `F` is the force along one axis, x by default. The tool is *in contact* while its distance to the
+/// The direction of the force `F` of [`Metrics`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// An axis of the base, 0 = x.
+    Base(usize),
+    /// The pressing direction of the first axis with the law `contact`.
+    Contact,
+}
+
+impl Direction {
+    /// Returns the force of a sample along the direction, N; 0 without such an axis.
+    fn force(self, sample: &Sample) -> f64 {
+        match self {
+            Self::Base(axis) => sample.force[axis],
+            Self::Contact => sample.contacts.force.first().copied().unwrap_or(0.0),
+        }
+    }
+
+    /// Returns the target force of a sample along the direction, N; `None` without one.
+    fn target(self, sample: &Sample) -> Option<f64> {
+        match self {
+            Self::Base(axis) => sample.target_force[axis],
+            Self::Contact => sample.contacts.target_force.first().copied(),
+        }
+    }
+
+    /// Returns the force minus its target, N; `None` without a target.
+    fn error(self, sample: &Sample) -> Option<f64> {
+        self.target(sample).map(|target| self.force(sample) - target)
+    }
+
+    /// Returns the sign of the target force, ±1; +1 without a target.
+    fn sign(self, sample: &Sample) -> f64 {
+        self.target(sample).map_or(1.0, f64::signum)
+    }
+}
+
+/// Metrics of one run. `F` is the force along one direction, x by default. The tool is *in contact* while its distance to the
 /// wall is not positive or, without a wall, while a force is measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Metrics {
@@ -50,6 +88,9 @@ pub struct Metrics {
     pub rmse_fy: Option<f64>,
     /// The same for z (N).
     pub rmse_fz: Option<f64>,
+    /// The same for the measured force along the pressing direction of an axis with the law `contact` (N); `None` if `F` has another
+    /// direction.
+    pub rmse_contact: Option<f64>,
     /// Overshoot of `F` after the first contact; `None` without target or contact.
     pub overshoot: Option<Overshoot>,
     /// Simulated time (s) from which `F` stays within [`SETTLING_BAND`] of its target until the
@@ -87,24 +128,25 @@ impl Metrics {
     /// Computes the metrics of a run, with `F` along x.
     #[must_use]
     pub fn of(recording: &Recording) -> Self {
-        Self::along(recording, 0)
+        Self::along(recording, Direction::Base(0))
     }
 
-    /// Computes the metrics of a run, with `F` along an axis of the base (0 = x).
+    /// Computes the metrics of a run, with `F` along a direction.
     #[must_use]
-    pub fn along(recording: &Recording, axis: usize) -> Self {
+    pub fn along(recording: &Recording, direction: Direction) -> Self {
         let samples = &recording.samples;
         let touched = from_first_contact(samples);
         let answered = samples.iter().filter(|s| s.answered);
         Self {
-            rmse_fx: rmse(recording, 0),
-            rmse_fy: rmse(recording, 1),
-            rmse_fz: rmse(recording, 2),
-            overshoot: overshoot(touched, axis),
-            settling_time_s: settling_time(touched, axis),
-            steady_error: steady_error(samples, axis).filter(|_| !touched.is_empty()),
-            final_force: samples.last().map(|s| s.force[axis]),
-            peak_force: samples.iter().map(|s| s.force[axis] * direction(s, axis)).fold(0.0, larger),
+            rmse_fx: rmse(recording, Direction::Base(0)),
+            rmse_fy: rmse(recording, Direction::Base(1)),
+            rmse_fz: rmse(recording, Direction::Base(2)),
+            rmse_contact: rmse(recording, Direction::Contact).filter(|_| direction == Direction::Contact),
+            overshoot: overshoot(touched, direction),
+            settling_time_s: settling_time(touched, direction),
+            steady_error: steady_error(samples, direction).filter(|_| !touched.is_empty()),
+            final_force: samples.last().map(|s| direction.force(s)),
+            peak_force: samples.iter().map(|s| direction.force(s) * direction.sign(s)).fold(0.0, larger),
             first_contact_s: touched.first().map(|s| s.time_s),
             contacts: contacts(samples),
             max_joint_speed: max_joint_speed(samples),
@@ -117,6 +159,16 @@ impl Metrics {
             unanswered: samples.iter().filter(|s| !s.answered).count(),
         }
     }
+}
+
+/// Returns the pressing direction of the law `contact` if it follows a surface, otherwise the main axis.
+#[must_use]
+pub fn main_direction(recording: &Recording) -> Direction {
+    let follows = |sample: &Sample| sample.contacts.surface.is_followed();
+    if recording.samples.first().is_some_and(follows) {
+        return Direction::Contact;
+    }
+    Direction::Base(main_axis(recording))
 }
 
 /// Returns the first axis whose force has a target, or x if there is none.
@@ -157,7 +209,7 @@ pub fn evaluation_start(recording: &Recording) -> Option<f64> {
 /// Returns `F − F_d` on one axis (N); `None` if the axis has no target.
 #[must_use]
 pub fn force_error(sample: &Sample, axis: usize) -> Option<f64> {
-    sample.target_force[axis].map(|target| sample.force[axis] - target)
+    Direction::Base(axis).error(sample)
 }
 
 fn in_contact(sample: &Sample) -> bool {
@@ -176,10 +228,10 @@ fn contacts(samples: &[Sample]) -> usize {
     samples.chunk_by(|a, b| in_contact(a) == in_contact(b)).filter(|run| in_contact(&run[0])).count()
 }
 
-fn rmse(recording: &Recording, axis: usize) -> Option<f64> {
+fn rmse(recording: &Recording, direction: Direction) -> Option<f64> {
     let start = evaluation_start(recording)?;
     let evaluated = recording.samples.iter().filter(|s| s.time_s >= start);
-    mean_square(evaluated.filter_map(|s| force_error(s, axis))).map(f64::sqrt)
+    mean_square(evaluated.filter_map(|s| direction.error(s))).map(f64::sqrt)
 }
 
 fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
@@ -187,15 +239,10 @@ fn mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then_some(sum / count)
 }
 
-/// Returns the sign of the target force, ±1; +1 without a target.
-fn direction(sample: &Sample, axis: usize) -> f64 {
-    sample.target_force[axis].map_or(1.0, f64::signum)
-}
-
-fn overshoot(samples: &[Sample], axis: usize) -> Option<Overshoot> {
+fn overshoot(samples: &[Sample], direction: Direction) -> Option<Overshoot> {
     let excess = |s: &Sample| {
-        let target = s.target_force[axis]?;
-        Some(((s.force[axis] - target) * target.signum(), target.abs()))
+        let target = direction.target(s)?;
+        Some(((direction.force(s) - target) * target.signum(), target.abs()))
     };
     let (newton, target) = samples.iter().filter_map(excess).max_by(|a, b| a.0.total_cmp(&b.0))?;
     if newton <= 0.0 {
@@ -204,21 +251,21 @@ fn overshoot(samples: &[Sample], axis: usize) -> Option<Overshoot> {
     Some(Overshoot { newton, percent: 100.0 * newton / target })
 }
 
-fn settling_time(samples: &[Sample], axis: usize) -> Option<f64> {
+fn settling_time(samples: &[Sample], direction: Direction) -> Option<f64> {
     let end = samples.last()?.time_s;
-    let settled = samples.iter().rev().take_while(|s| in_band(s, axis)).last()?.time_s;
+    let settled = samples.iter().rev().take_while(|s| in_band(s, direction)).last()?.time_s;
     (end - settled >= SETTLED_FOR_S).then_some(settled)
 }
 
-fn in_band(sample: &Sample, axis: usize) -> bool {
-    let within = |target: f64| (sample.force[axis] - target).abs() <= SETTLING_BAND * target.abs();
-    sample.target_force[axis].is_some_and(within)
+fn in_band(sample: &Sample, direction: Direction) -> bool {
+    let within = |target: f64| (direction.force(sample) - target).abs() <= SETTLING_BAND * target.abs();
+    direction.target(sample).is_some_and(within)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count below that of the samples")]
-fn steady_error(samples: &[Sample], axis: usize) -> Option<f64> {
+fn steady_error(samples: &[Sample], direction: Direction) -> Option<f64> {
     let part = (STEADY_PART * samples.len() as f64).ceil() as usize;
-    let errors: Option<Vec<f64>> = samples.iter().rev().take(part).map(|s| force_error(s, axis)).collect();
+    let errors: Option<Vec<f64>> = samples.iter().rev().take(part).map(|s| direction.error(s)).collect();
     let errors = errors.filter(|errors| !errors.is_empty())?;
     Some(errors.iter().sum::<f64>() / errors.len() as f64)
 }

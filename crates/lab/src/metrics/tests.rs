@@ -1,6 +1,7 @@
 //! Each metric on runs with known results.
 
 use super::*;
+use crate::simulator::recording::Contacts;
 
 /// A sample at `time_s`, 10 cm in front of the wall, with a target of 30 N in x.
 fn sample(time_s: f64) -> Sample {
@@ -177,8 +178,8 @@ fn residuals_are_computed_per_task() {
 fn metrics_can_be_computed_along_another_axis() {
     let mut run = run_with_forces(&[0.0; 3]);
     run.samples.iter_mut().for_each(|s| (s.force, s.target_force) = ([0.0, 0.0, -33.0], [None, None, Some(-30.0)]));
-    assert_eq!(main_axis(&run), 2);
-    let metrics = Metrics::along(&run, 2);
+    assert_eq!(main_direction(&run), Direction::Base(2));
+    let metrics = Metrics::along(&run, Direction::Base(2));
     assert!(near(metrics.final_force, -33.0) && near(Some(metrics.peak_force), 33.0) && near(metrics.rmse_fz, 3.0));
 }
 
@@ -212,4 +213,22 @@ fn runs_that_cannot_be_compared_have_an_infinite_difference() {
     for b in [run_with_forces(&[30.0; 2]), other_joints, not_a_number] {
         assert!(largest_difference(&a, &b).is_infinite());
     }
+}
+
+/// The law presses with 20 N along a normal that it has learnt. F_z is smaller, and has no target.
+#[test]
+fn force_of_a_law_that_follows_a_surface_is_that_along_the_normal() {
+    let pressed = |(i, force): (i32, &f64)| {
+        let mut contacts = Contacts::approaching(1, 1);
+        (contacts.force[0], contacts.target_force[0]) = (*force, 20.0);
+        let no_target = Sample { target_force: [None; 3], contacts, ..in_contact_with(0.1 * f64::from(i), 0.0) };
+        Sample { force: [0.0, 0.0, -0.9 * force], ..no_target }
+    };
+    let run = recording((0..).zip(&[21.0, 19.0, 22.0, 20.0, 20.0, 20.0]).map(pressed).collect());
+    assert_eq!(main_direction(&run), Direction::Contact);
+    let metrics = Metrics::along(&run, Direction::Contact);
+    assert_eq!((metrics.peak_force, metrics.final_force), (22.0, Some(20.0)));
+    assert!(near(metrics.rmse_contact, 1.0) && near(metrics.settling_time_s, 0.3), "{metrics:?}");
+    assert_eq!((metrics.overshoot.unwrap().percent, metrics.rmse_fz), (10.0, None));
+    assert_eq!(Metrics::of(&run).rmse_contact, None);
 }

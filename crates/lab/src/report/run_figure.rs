@@ -3,7 +3,7 @@
 use super::answer_gap;
 use super::figure::{Colour, Curve, Figure, Stroke};
 use super::time_series::{MM, is_zero, panel, points, span};
-use crate::simulator::recording::{Recording, Sample};
+use crate::simulator::recording::{Contacts, Recording, Sample};
 
 const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), ("z", Colour::Green)];
 
@@ -12,6 +12,7 @@ const AXES: [(&str, Colour); 3] = [("x", Colour::Orange), ("y", Colour::Blue), (
 pub fn of_run(run: &Recording) -> Figure {
     let window = span(run);
     let mut quantities = vec![
+        ("Force along the normal", "force (N)", contact(run), "Measured force along the normal that the law follows."),
         ("Force on the environment", "force (N)", forces(run), "Measured force; its target, if any, is dashed."),
         ("Displacement of the tool", "displacement (mm)", displacements(run), "Tool position minus start position."),
         (
@@ -49,6 +50,20 @@ fn forces(run: &Recording) -> Vec<Curve> {
         curve(run, format!("target, {}", AXES[i].0), Colour::Black, Stroke::Dashed, |sample| sample.target_force[i])
     });
     measured.chain(targets).collect()
+}
+
+/// Returns the force of a law that follows a surface; without one, zeros.
+fn contact(run: &Recording) -> Vec<Curve> {
+    let of = |sample: &Sample, of: fn(&Contacts) -> &Vec<f64>| {
+        let follows = sample.contacts.surface.is_followed();
+        follows.then(|| of(&sample.contacts).first().copied()).flatten()
+    };
+    let force = |sample: &Sample| of(sample, |contacts| &contacts.force);
+    let target = |sample: &Sample| of(sample, |contacts| &contacts.target_force);
+    vec![
+        curve(run, "F_n".to_owned(), Colour::Orange, Stroke::Thin, force),
+        curve(run, "target".to_owned(), Colour::Black, Stroke::Dashed, target),
+    ]
 }
 
 fn displacements(run: &Recording) -> Vec<Curve> {

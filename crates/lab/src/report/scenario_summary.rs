@@ -34,6 +34,9 @@ fn contact(contact: &Contact) -> String {
         ContactKind::Spring => "spring",
         ContactKind::Wall => "wall",
         ContactKind::Plane => "plane",
+        ContactKind::Cylinder => "cylinder",
+        ContactKind::Sphere => "sphere",
+        ContactKind::Door => "door",
     };
     let axis = contact.axis.map(|axis| format!(" along {}", ["x", "y", "z"][axis])).unwrap_or_default();
     format!(

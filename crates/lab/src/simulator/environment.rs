@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::contact::Contact;
+use super::contact::{Contact, ContactKind};
+use super::door::Door;
 use super::energy::Energy;
 use super::field_error::FieldError;
 use super::surface::Surface;
@@ -13,8 +14,45 @@ const MAX_CONTACTS: usize = 100;
 /// The state of all contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
-    surfaces: Vec<Surface>,
+    bodies: Vec<Body>,
     start: Vector3<f64>,
+}
+
+/// What the tool touches or holds.
+#[derive(Debug, Clone, PartialEq)]
+enum Body {
+    Surface(Box<Surface>),
+    Door(Box<Door>),
+}
+
+impl Body {
+    fn new(contact: &Contact, pointer: &str) -> Result<Self, FieldError> {
+        if contact.kind == ContactKind::Door {
+            return Door::new(contact, pointer).map(|door| Self::Door(Box::new(door)));
+        }
+        Surface::new(contact, pointer).map(|surface| Self::Surface(Box::new(surface)))
+    }
+
+    fn step(&mut self, displacement: Vector3<f64>, velocity: Vector3<f64>, time_s: f64, dt: f64) -> Vector3<f64> {
+        match self {
+            Self::Surface(surface) => surface.step(displacement, velocity, time_s, dt),
+            Self::Door(door) => door.step(displacement, velocity, dt),
+        }
+    }
+
+    fn distance(&self) -> Option<f64> {
+        match self {
+            Self::Surface(surface) => surface.distance(),
+            Self::Door(_) => None,
+        }
+    }
+
+    fn energy(&self) -> Energy {
+        match self {
+            Self::Surface(surface) => surface.energy(),
+            Self::Door(door) => door.energy(),
+        }
+    }
 }
 
 impl Environment {
@@ -23,27 +61,27 @@ impl Environment {
         if contacts.len() > MAX_CONTACTS {
             return Err(FieldError::new("/contacts", format!("has more than {MAX_CONTACTS} contacts")));
         }
-        let surface = |(i, contact)| Surface::new(contact, &format!("/contacts/{i}"));
-        let surfaces = contacts.iter().enumerate().map(surface).collect::<Result<_, _>>()?;
-        Ok(Self { surfaces, start: start.into() })
+        let body = |(i, contact)| Body::new(contact, &format!("/contacts/{i}"));
+        let bodies = contacts.iter().enumerate().map(body).collect::<Result<_, _>>()?;
+        Ok(Self { bodies, start: start.into() })
     }
 
     /// Advances by `dt` (s) to a tool position (m), a tool velocity (m/s) and a time (s). Returns the force F_e on the
     /// environment (N, base axes).
     pub fn step(&mut self, position: [f64; 3], velocity: [f64; 3], time_s: f64, dt: f64) -> [f64; 3] {
         let displacement = Vector3::from(position) - self.start;
-        let forces = self.surfaces.iter_mut().map(|surface| surface.step(displacement, velocity.into(), time_s, dt));
+        let forces = self.bodies.iter_mut().map(|body| body.step(displacement, velocity.into(), time_s, dt));
         forces.sum::<Vector3<f64>>().into()
     }
 
-    /// Returns the distance to the nearest wall or plane at the last step, m, negative in contact; `None` without one.
+    /// Returns the distance to the nearest surface at the last step, m, negative in contact; `None` without one.
     pub fn wall_distance(&self) -> Option<f64> {
-        self.surfaces.iter().filter_map(Surface::distance).min_by(f64::total_cmp)
+        self.bodies.iter().filter_map(Body::distance).min_by(f64::total_cmp)
     }
 
     /// Returns the energy of all contacts so far.
     pub fn energy(&self) -> Energy {
-        self.surfaces.iter().map(Surface::energy).sum()
+        self.bodies.iter().map(Body::energy).sum()
     }
 }
 
@@ -59,11 +97,15 @@ mod tests {
             normal: None,
             kind,
             offset_m,
+            radius_m: None,
             motion: None,
             stiffness: 1000.0,
             damping: 10.0,
             inertia: 2.0,
             friction: None,
+            hole: None,
+            edge: None,
+            hinge: None,
         }
     }
 
@@ -130,6 +172,53 @@ mod tests {
         assert!((force(0.1)[1] - (0.5 * 10.0 + 0.2)).abs() < 1e-6);
         assert!((force(-0.1)[1] + 5.2).abs() < 1e-6);
         assert_eq!(force(0.0)[1], 0.0);
+    }
+
+    /// A ball of 0.4 m that is 1 mm deep in the tool's way, on a tool that slides around it at a constant depth.
+    #[test]
+    fn curved_surface_presses_along_its_normal_and_rubs_along_the_motion() {
+        let ball = Contact {
+            axis: None,
+            normal: Some([0.0, 0.0, 1.0]),
+            radius_m: Some(0.4),
+            friction: Some(Friction { coulomb: 0.5, viscous: 0.0, sticking_speed_m_s: 1e-9 }),
+            ..contact(ContactKind::Sphere, 0.001)
+        };
+        let mut ball = environment(ball, [0.5, 0.1, 0.2]);
+        // The middle is 0.401 m below the start.
+        let middle = Vector3::new(0.5, 0.1, 0.2 - 0.401);
+        let work = |steps: u32, ball: &mut Environment| {
+            for step in 0..=steps {
+                let angle = 0.5 * f64::from(step) / f64::from(steps);
+                let [outward, along] = [[angle.sin(), 0.0, angle.cos()], [angle.cos(), 0.0, -angle.sin()]];
+                let [outward, along] = [outward, along].map(Vector3::from);
+                let place = middle + outward * 0.399;
+                let force = ball.step(place.into(), (along * 0.1).into(), 0.0, 0.399 * 5.0 / f64::from(steps));
+                // 1000 N/m and 1 mm; the speed along the normal is zero.
+                assert!((Vector3::from(force) - (-outward + along * 0.5)).norm() < 1e-6, "{force:?}");
+            }
+            ball.energy()
+        };
+        let energy = work(1000, &mut ball);
+        // 0.5 N along an arc of 0.5 rad, and the 0.5 mJ that the surface has stored at the start.
+        assert!((energy.dissipated_j - 0.5 * 0.399 * 0.5).abs() < 1e-6, "{energy:?}");
+        assert!((energy.stored_j - 0.5e-3).abs() < 1e-9 && energy.imbalance_j().abs() < 1e-6, "{energy:?}");
+    }
+
+    #[test]
+    fn moving_cylinder_shifts_as_a_whole() {
+        let motion = Profile::Constant { value: PerAxis::All(0.02) };
+        let bar = Contact {
+            axis: Some(1),
+            normal: Some([0.0, 0.0, 1.0]),
+            radius_m: Some(0.3),
+            motion: Some(motion),
+            ..contact(ContactKind::Cylinder, 0.01)
+        };
+        let mut bar = environment(bar, [0.0; 3]);
+        bar.step([0.1, 0.7, 0.0], [0.0; 3], 0.0, 0.01);
+        let distance = 0.1_f64.hypot(0.33) - 0.3;
+        assert!((bar.wall_distance().unwrap() - distance).abs() < 1e-15);
     }
 
     /// Moves a tool into a wall, along it and out again within 1 s, in `steps` time steps. Returns the normal force every

@@ -3,14 +3,15 @@
 //! The simulator uses the kinematics of the robot and the interface of the service. It does not use the control code, so a
 //! simulated arm gets the same commands as any other client.
 //!
-//! A [`Scenario`] describes a whole run: controller, start posture, contacts (springs, walls and planes that may move and
-//! have friction), external pushes, velocity loop, sensor errors, and faults of the connection. Noise and faults depend on
-//! its seed only, so a run is reproducible to the last bit.
+//! A [`Scenario`] describes a whole run: controller, start posture, contacts (springs, surfaces that may move and have
+//! friction, doors), external pushes, targets that an application streams, velocity loop, sensor errors, and faults of the
+//! connection. Noise and faults depend on its seed only, so a run is reproducible to the last bit.
 
 mod arm;
 mod callee;
 mod caller;
 mod contact;
+mod door;
 mod drive_limits;
 mod energy;
 mod environment;
@@ -30,15 +31,17 @@ mod run;
 mod run_error;
 mod scenario;
 mod sensors;
+mod shape;
 mod stateless;
 mod surface;
+mod target_program;
 mod toml_lines;
 mod watchdog;
 mod wrist_sensor;
 
 pub use arm::{Arm, VelocityLoop};
 pub use caller::CallMode;
-pub use contact::{Contact, ContactKind, Friction};
+pub use contact::{Contact, ContactKind, Edge, Friction, Hinge, Hole};
 pub use drive_limits::DriveLimits;
 pub use environment::Environment;
 pub use faults::{Faults, Outage};
@@ -51,3 +54,4 @@ pub use run_error::RunError;
 pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};
 pub use sensors::{Sensor, Sensors};
 pub use stateless::Cycle;
+pub use target_program::TargetProgram;

@@ -80,6 +80,11 @@ impl Plant {
         &self.joint_names
     }
 
+    /// Returns the position of the tool point, base frame, m.
+    pub fn tool_position(&self) -> [f64; 3] {
+        tool_position(&self.tool.configuration)
+    }
+
     /// Returns the energy of the contacts so far.
     pub fn energy(&self) -> Energy {
         self.environment.energy()

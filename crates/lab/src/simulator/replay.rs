@@ -11,6 +11,7 @@ use super::caller::{CallMode, Caller};
 use super::moving_obstacles::MovingObstacles;
 use super::recording::{Recording, Sample, Sensed, TableLayout, Value};
 use super::run_error::RunError;
+use super::target_program::TargetPrograms;
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
@@ -69,17 +70,20 @@ pub fn replay(
     let controller = &scenario.controller;
     let refused = |time_s| move |source| RunError::Service { time_s, source };
     let obstacles = MovingObstacles::new(controller, &scenario.obstacle_motions).map_err(RunError::from)?;
+    let mut streams = TargetPrograms::new(&scenario.target_programs, controller).map_err(RunError::from)?;
     let mut caller = Caller::open(controller, Callee::Borrowed(service), mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
     let columns = TableLayout::from_recording(recording, false).columns();
     for (period, sample) in recording.samples.iter().enumerate() {
         let time_s = sample.time_s;
+        let last = period.checked_sub(1).map(|last| &recording.samples[last]);
+        let targets = streams.next(sample.position, last);
         // There was no call while the service was down.
         if scenario.faults.is_down(time_s) {
             again.samples.push(sample.clone());
         } else {
-            let state = wire::State { obstacles: obstacles.states(time_s), ..state(period, sample) };
+            let state = wire::State { obstacles: obstacles.states(time_s), targets, ..state(period, sample) };
             let answer = caller.call(state).map_err(refused(time_s))?;
             again.samples.push(sample.clone().answered(&controller.tasks, &answer, &recording.joint_names));
         }

@@ -20,6 +20,7 @@ use super::recording::{ClarabelLevels, Recording, Sample, Timing};
 use super::run_error::RunError;
 use super::scenario::Scenario;
 use super::stateless::Cycle;
+use super::target_program::TargetPrograms;
 use super::watchdog::{HeldCommand, is_missing_answer, pause};
 
 /// Runs the scenario with a robot that ships with the crate, with one call per control period. `progress` receives the
@@ -89,6 +90,7 @@ fn drive(
 pub struct SteppedRun<'a> {
     scenario: Scenario,
     plant: Plant,
+    streams: TargetPrograms,
     conversation: Conversation<'a>,
     start: Instant,
     clarabel: ClarabelLevels,
@@ -114,17 +116,18 @@ impl<'a> SteppedRun<'a> {
     ) -> Result<Self, RunError> {
         let robot = with_tool(robot, &scenario.controller)?;
         let plant = Plant::new(&scenario, &robot)?;
+        let streams = TargetPrograms::new(&scenario.target_programs, &scenario.controller)?;
         let caller = Caller::open(&scenario.controller, service, mode);
         let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
         let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
         let conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
         let (start, clarabel) = (Instant::now(), ClarabelLevels::default());
-        Ok(Self { scenario, plant, conversation, start, clarabel, samples: Vec::new(), timings: Vec::new() })
+        Ok(Self { scenario, plant, streams, conversation, start, clarabel, samples: Vec::new(), timings: Vec::new() })
     }
 
     /// Runs the next period. Returns whether the run continues.
     pub fn step(&mut self, operator: &mut impl Operator) -> Result<ControlFlow<()>, RunError> {
-        let Self { scenario, plant, conversation, clarabel, samples, timings, .. } = self;
+        let Self { scenario, plant, streams, conversation, clarabel, samples, timings, .. } = self;
         let period = samples.len() as u64;
         let time_s = period as f64 * scenario.period_s();
         let Influence { external_force, controller, targets } = operator.influence(period);
@@ -132,7 +135,10 @@ impl<'a> SteppedRun<'a> {
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let state = wire::State { targets, ..measured.state(period, time_s) };
+        let mut streamed = streams.next(plant.tool_position(), samples.last());
+        // Those of the operator come first.
+        streamed.extend(targets);
+        let state = wire::State { targets: streamed, ..measured.state(period, time_s) };
         let obstacles = state.obstacles.clone();
         let (held, cycle, round_trip) = conversation.next(state, || unit(operator.goes_on()))?;
         if held.is_new {

@@ -15,6 +15,7 @@ use super::field_error::{FieldError, between, number, positive};
 use super::moving_obstacles::{MovingObstacles, ObstacleMotion};
 use super::profile::external_wrench;
 use super::sensors::{Sensing, Sensors};
+use super::target_program::{TargetProgram, TargetPrograms};
 use super::toml_lines;
 
 /// Largest number of integration steps per period.
@@ -51,6 +52,10 @@ pub struct Scenario {
     #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
     #[schema(example = json!([{"name": "ball", "displacement": {"kind": "constant", "value": [0, 0.1, 0]}}]))]
     pub obstacle_motions: Vec<ObstacleMotion>,
+    /// Programs that stream targets of tasks, as an application would.
+    #[serde(default, deserialize_with = "object::list", skip_serializing_if = "Vec::is_empty")]
+    #[schema(example = json!([{"kind": "spiral_search", "task": "search", "pitch_m": 0.001, "speed": 0.01, "inserted_m": 0.003}]))]
+    pub target_programs: Vec<TargetProgram>,
     /// Errors of the sensors.
     #[serde(default, deserialize_with = "object::deserialize", skip_serializing_if = "is_default")]
     pub sensors: Sensors,
@@ -133,7 +138,7 @@ macro_rules! built_in {
 }
 
 /// The scenarios that ship with the crate, as name and TOML text. The scenarios of the paper come first.
-pub const BUILT_IN_SCENARIOS: [(&str, &str); 20] = built_in![
+pub const BUILT_IN_SCENARIOS: [(&str, &str); 24] = built_in![
     "force_tracking",
     "force_tracking_singular",
     "stiff_wall",
@@ -150,6 +155,10 @@ pub const BUILT_IN_SCENARIOS: [(&str, &str); 20] = built_in![
     "polishing",
     "press",
     "wiping",
+    "wiping_curved",
+    "door",
+    "peg",
+    "peg_edge",
     "human_push",
     "ur5e_wall",
     "noisy_sensors",
@@ -260,6 +269,7 @@ impl Scenario {
         Environment::new(&self.contacts, [0.0; 3])?;
         self.external_wrench.as_ref().map(external_wrench).transpose()?;
         MovingObstacles::new(&self.controller, &self.obstacle_motions)?;
+        TargetPrograms::new(&self.target_programs, &self.controller)?;
         Sensing::new(&self.sensors, self.start_joint_position.len(), self.period_s(), self.seed)?;
         self.faults.check("/faults")?;
         if self.seed > MAX_SEED {

@@ -5,19 +5,17 @@ use revprio_robot::profile::Profile;
 
 use super::contact::{Contact, ContactKind, Friction};
 use super::energy::Energy;
-use super::field_error::{FieldError, not_negative, number, positive};
+use super::field_error::{FieldError, not_negative, positive};
 use super::profile::profile;
+use super::shape::{Depth, Shape};
 
-/// A contact along one direction.
+/// A contact along the normal of a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Unit vector into the material.
-    inward: Vector3<f64>,
+    shape: Shape,
     /// Whether the contact only pushes.
     is_unilateral: bool,
-    /// X_0 along `inward`, m.
-    offset: f64,
-    /// Motion that is added to the offset, and its sign along `inward`.
+    /// Motion that is added to the offset, and its sign along `inward` of the shape.
     motion: Option<(Profile, f64)>,
     stiffness: f64,
     damping: f64,
@@ -30,14 +28,16 @@ pub struct Surface {
 /// State of the contact at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ContactState {
-    /// Displacement of the tool from its start, m.
+    /// Displacement of the tool from its start, relative to the motion of the shape, m.
     displacement: Vector3<f64>,
-    /// X − X_0 along `inward`, m; negative without contact.
+    /// X − X_0 along the normal, m; negative without contact.
     depth: f64,
     /// Rate of `depth`, m/s.
     speed: f64,
     /// Whether the tool touches the surface.
     in_contact: bool,
+    /// Unit vector into the material.
+    inward: Vector3<f64>,
     /// F_e along `inward`, N.
     normal_force: f64,
     /// F_e along the surface, N.
@@ -50,18 +50,21 @@ impl Surface {
     /// Returns the contact at a JSON pointer.
     pub fn new(contact: &Contact, pointer: &str) -> Result<Self, FieldError> {
         let at = |field: &str| format!("{pointer}/{field}");
-        let offset = number(contact.offset_m, &at("offset_m"))?;
-        let (inward, side) = direction(contact, pointer)?;
+        let shape = Shape::new(contact, pointer)?;
         let is_unilateral = contact.kind != ContactKind::Spring;
         if contact.friction.is_some() && !is_unilateral {
-            return Err(FieldError::new(at("friction"), "needs a wall or a plane; a spring has no surface"));
+            return Err(FieldError::new(at("friction"), "needs a surface; a spring has none"));
         }
         let friction = contact.friction.map(|friction| checked(friction, &at("friction"))).transpose()?;
+        if contact.hinge.is_some() {
+            return Err(FieldError::new(at("hinge"), "is for a door"));
+        }
         let motion = contact.motion.as_ref().map(|motion| profile(motion, 1, &at("motion"))).transpose()?;
+        // The motion of a wall is along its axis, also if the wall is in the negative direction.
+        let side = if contact.kind == ContactKind::Wall { shape.inward.sum() } else { 1.0 };
         Ok(Self {
-            inward,
+            shape,
             is_unilateral,
-            offset: side * offset,
             motion: motion.map(|motion| (motion, side)),
             stiffness: not_negative(contact.stiffness, &at("stiffness"))?,
             damping: not_negative(contact.damping, &at("damping"))?,
@@ -92,7 +95,7 @@ impl Surface {
         }
         self.energy.stored_j = self.stored(&state);
         self.last = Some(state);
-        self.inward * state.normal_force + state.friction_force
+        state.inward * state.normal_force + state.friction_force
     }
 
     fn state(&self, displacement: Vector3<f64>, velocity: Vector3<f64>, time_s: f64, dt: f64) -> ContactState {
@@ -100,14 +103,17 @@ impl Surface {
             let now = motion.at(time_s);
             (side * now.value[0], side * now.rate[0])
         });
-        let depth = self.inward.dot(&displacement) - (self.offset + moved);
-        let speed = self.inward.dot(&velocity) - rate;
+        let displacement = displacement - self.shape.inward * moved;
+        let velocity = velocity - self.shape.inward * rate;
+        let Depth { depth, inward } = self.shape.depth(&displacement);
+        let speed = inward.dot(&velocity);
         let in_contact = !self.is_unilateral || depth > 0.0;
         let mut state = ContactState {
             displacement,
             depth,
             speed,
             in_contact,
+            inward,
             normal_force: 0.0,
             friction_force: Vector3::zeros(),
             dissipation: 0.0,
@@ -117,7 +123,7 @@ impl Surface {
             let conservative = self.inertia * acceleration + self.stiffness * depth;
             let force = self.inertia * acceleration + self.damping * speed + self.stiffness * depth;
             state.normal_force = if self.is_unilateral { force.max(0.0) } else { force };
-            let slide = velocity - self.inward * self.inward.dot(&velocity);
+            let slide = velocity - inward * speed;
             state.friction_force =
                 self.friction.map_or(Vector3::zeros(), |friction| friction_force(friction, state.normal_force, slide));
             // Damping, or the energy that a surface loses if it cannot follow the tool.
@@ -174,34 +180,6 @@ impl Surface {
             return 0.0;
         }
         0.5 * (self.stiffness * state.depth * state.depth + self.inertia * state.speed * state.speed)
-    }
-}
-
-/// Returns the unit vector into the material, and the sign of `offset_m` along it.
-fn direction(contact: &Contact, pointer: &str) -> Result<(Vector3<f64>, f64), FieldError> {
-    let missing =
-        |field: &str, remedy: &str| FieldError::new(format!("{pointer}/{field}"), format!("is missing; {remedy}"));
-    match (contact.kind, contact.axis, contact.normal) {
-        (ContactKind::Plane, None, Some(normal)) => {
-            normal.iter().enumerate().try_for_each(|(i, v)| number(*v, &format!("{pointer}/normal/{i}")).map(drop))?;
-            let inward = (-Vector3::from(normal)).try_normalize(1e-9);
-            let inward = inward.ok_or_else(|| FieldError::new(format!("{pointer}/normal"), "must not be zero"))?;
-            Ok((inward, 1.0))
-        }
-        (ContactKind::Plane, None, None) => Err(missing("normal", "a plane needs a normal, for example [0, 0, 1]")),
-        (ContactKind::Plane, Some(_), _) => {
-            Err(FieldError::new(format!("{pointer}/axis"), "is for a spring or a wall; a plane has a `normal`"))
-        }
-        (_, _, Some(_)) => {
-            Err(FieldError::new(format!("{pointer}/normal"), "is for a plane; a spring or a wall has an `axis`"))
-        }
-        (_, None, _) => Err(missing("axis", "a spring or a wall needs x, y or z")),
-        (kind, Some(axis), None) => {
-            let side = if kind == ContactKind::Wall && contact.offset_m < 0.0 { -1.0 } else { 1.0 };
-            let mut inward = Vector3::zeros();
-            inward[axis] = side;
-            Ok((inward, side))
-        }
     }
 }
 

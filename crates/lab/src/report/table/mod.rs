@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::requests::Requests;
 use super::run::Run;
 use crate::metrics::limits::LimitUse;
-use crate::metrics::{Metrics, Overshoot, Residual, largest_difference, main_axis};
+use crate::metrics::{Direction, Metrics, Overshoot, Residual, largest_difference, main_direction};
 use crate::number::significant;
 use crate::simulator::recording::Recording;
 
@@ -33,8 +33,8 @@ pub struct Row {
     pub method: Method,
     /// Solver.
     pub solver: Solver,
-    /// Axis of the forces in `metrics`, 0 = x.
-    pub axis: usize,
+    /// Direction of the forces in `metrics`.
+    pub direction: Direction,
     /// Metrics of the run.
     pub metrics: Metrics,
     /// Use of the limits.
@@ -91,7 +91,7 @@ pub enum Place {
 }
 
 /// All quantities; rows are grouped by the first one.
-pub static QUANTITIES: [Quantity; 26] = [
+pub static QUANTITIES: [Quantity; 27] = [
     identifier("scenario", |row| row.scenario.clone()),
     identifier("method", Row::method_name),
     identifier("solver", Row::solver_name),
@@ -101,6 +101,7 @@ pub static QUANTITIES: [Quantity; 26] = [
     column("RMSE F_x", "N", RMSE, |row| optional(row.metrics.rmse_fx, 3)),
     column("RMSE F_y", "N", "", |row| optional(row.metrics.rmse_fy, 3)),
     detail("RMSE F_z", "N", "", |row| optional(row.metrics.rmse_fz, 3)),
+    detail("RMSE F_n", "N", CONTACT, |row| optional(row.metrics.rmse_contact, 3)),
     column("overshoot F", "N (%)", OVERSHOOT, |row| overshoot(row.metrics.overshoot)),
     column("settling", "s", SETTLING, |row| optional(row.metrics.settling_time_s, 3)),
     detail("steady error F", "N", STEADY, |row| optional(row.metrics.steady_error, 2)),
@@ -131,6 +132,8 @@ const LIMIT_EXCESS_HEADING: &str = "limit excess";
 const CONTACTS: &str = "number of separate contact intervals (without a wall: intervals with a force)";
 const RMSE: &str = "root mean square of the force minus its target; after 5 s in a run longer than 10 s, otherwise after the \
      first contact";
+const CONTACT: &str =
+    "the same for the measured force along the normal that the law `contact` follows; F_n is this force";
 const OVERSHOOT: &str = "largest excess of the force over the target at the same time, after the first contact; F is the force \
      along the first axis that has a target";
 const SETTLING: &str =
@@ -180,13 +183,13 @@ pub fn columns() -> impl Iterator<Item = &'static Quantity> {
 pub fn rows(runs: &[Run]) -> Vec<Row> {
     let row = |run: &Run| {
         let recording = &run.recording;
-        let axis = main_axis(recording);
+        let direction = main_direction(recording);
         Row {
             scenario: recording.scenario.clone(),
             method: recording.method,
             solver: recording.solver,
-            axis,
-            metrics: Metrics::along(recording, axis),
+            direction,
+            metrics: Metrics::along(recording, direction),
             limits: LimitUse::of(recording, &run.robot.joints, &run.scenario.controller.limits),
             largest_difference: reference(recording, runs).map(|other| largest_difference(recording, other)),
             requests: run.requests,

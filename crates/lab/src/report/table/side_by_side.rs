@@ -1,5 +1,7 @@
 //! All quantities of one scenario, one column per run.
 
+use crate::metrics::Direction;
+
 use super::{LIMIT_EXCESS_HEADING, MISSING, Place, QUANTITIES, Quantity, Row, padded};
 
 /// Largest number of runs in one table in the terminal; further runs follow in another table.
@@ -16,7 +18,7 @@ fn quantities(runs: &[Row], portable: bool) -> impl Iterator<Item = Line> {
 /// One quantity of all runs of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Heading, with the axis of the force.
+    /// Heading, with the axis of the force, or n for the normal.
     pub heading: String,
     /// Unit, or empty.
     pub unit: &'static str,
@@ -28,7 +30,10 @@ pub struct Line {
 
 impl Line {
     fn new(quantity: &Quantity, runs: &[Row]) -> Self {
-        let axis = runs.first().map_or("x", |row| ["x", "y", "z"][row.axis.min(2)]);
+        let axis = match runs.first().map_or(Direction::Base(0), |row| row.direction) {
+            Direction::Base(axis) => ["x", "y", "z"][axis.min(2)],
+            Direction::Contact => "n",
+        };
         let heading = quantity.heading.strip_suffix(" F");
         Self {
             heading: heading.map_or_else(|| quantity.heading.to_owned(), |name| format!("{name} F_{axis}")),

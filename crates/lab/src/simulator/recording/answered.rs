@@ -30,8 +30,9 @@ impl Sample {
 fn target_force(tasks: &[wire::ControllerTask], answer: &wire::StepAnswer) -> [Option<f64>; 3] {
     let mut target = [None; 3];
     for (task, outcome) in tasks.iter().zip(&answer.tasks) {
-        // In other frames, the target force is not along x, y or z of the base.
-        if task.frame != wire::Frame::Base {
+        // In other frames, and along the normal of a surface, the target force is not along x, y or z of the base.
+        let follows_a_surface = matches!(task.law, Some(wire::Law::Contact { surface: Some(_), .. }));
+        if task.frame != wire::Frame::Base || follows_a_surface {
             continue;
         }
         for (axis, &force) in task.axes.iter().flatten().zip(outcome.target_force.iter().flatten()) {

@@ -67,6 +67,19 @@ impl<T: Cell> Cells for Vec<T> {
     }
 }
 
+/// The cells of all entries one after another.
+impl<T: Cell, const N: usize> Cells for Vec<[T; N]> {
+    type Cell = T;
+
+    fn cell(&self, i: usize) -> Option<&T> {
+        self.as_flattened().get(i)
+    }
+
+    fn cell_mut(&mut self, i: usize) -> Option<&mut T> {
+        self.as_flattened_mut().get_mut(i)
+    }
+}
+
 impl<T: Cell, const N: usize> Cells for [T; N] {
     type Cell = T;
 

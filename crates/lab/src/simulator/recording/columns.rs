@@ -26,6 +26,8 @@ pub struct TableLayout<'a> {
     pub channels: usize,
     /// Number of axes with the law `contact`.
     pub contacts: usize,
+    /// Number of these axes if one of them follows a surface, otherwise 0.
+    pub surfaces: usize,
     /// Whether the controller watches distances.
     pub watched: bool,
     /// Whether the controller received other values than the true state.
@@ -43,6 +45,7 @@ impl<'a> TableLayout<'a> {
             tasks: first.map_or(0, |sample| sample.residual_norms.len()),
             channels: recording.samples.last().map_or(0, |sample| sample.channels.len()),
             contacts: recording.samples.last().map_or(0, |sample| sample.contacts.axes()),
+            surfaces: recording.samples.last().map_or(0, |sample| sample.contacts.surface.normal.len()),
             watched: recording.watches_distances(),
             sensed: first.is_some_and(|sample| sample.sensed.is_some()),
             timed,
@@ -57,6 +60,7 @@ impl<'a> TableLayout<'a> {
             tasks: count("residual_task_"),
             channels: count("channel_"),
             contacts: count("contact_state_"),
+            surfaces: count("contact_friction_"),
             watched: count("least_distance") > 0,
             sensed: count("sensed_") > 0,
             timed: count("round_trip_us") > 0,
@@ -65,13 +69,15 @@ impl<'a> TableLayout<'a> {
 
     /// Returns an empty sample with this layout.
     pub fn empty_sample(&self) -> (Sample, Timing) {
-        (Sample::zeros(self.joints.len(), [self.tasks, self.channels, self.contacts], self.sensed), Timing::default())
+        let counts = [self.tasks, self.channels, self.contacts, self.surfaces];
+        (Sample::zeros(self.joints.len(), counts, self.sensed), Timing::default())
     }
 
     /// Returns all columns.
     pub fn columns(&self) -> Vec<Column> {
         let shown = |quantity: &&Quantity| match quantity.presence {
             Presence::Always => true,
+            Presence::Surface => self.surfaces > 0,
             Presence::Watched => self.watched,
             Presence::Sensed => self.sensed,
             Presence::Timed => self.timed,
@@ -89,6 +95,9 @@ impl<'a> TableLayout<'a> {
             Per::Task => (1..=self.tasks).map(|k| k.to_string()).collect(),
             Per::Channel => (1..=self.channels).map(|k| k.to_string()).collect(),
             Per::Contact => (1..=self.contacts).map(|k| k.to_string()).collect(),
+            Per::ContactAxis => {
+                (1..=self.contacts).flat_map(|k| ["x", "y", "z"].map(|axis| format!("{k}_{axis}"))).collect()
+            }
         };
         let column = |(index, label): (usize, String)| {
             let parts = [quantity.name, &label, quantity.unit];

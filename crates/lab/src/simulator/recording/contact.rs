@@ -19,6 +19,23 @@ pub struct Contacts {
     pub target_force: Vec<f64>,
     /// Estimated stiffnesses, N/m or N·m/rad; `None`: not known yet.
     pub stiffness: Vec<Option<f64>>,
+    /// What the law learns of the surfaces; empty if no axis follows one.
+    #[serde(flatten)]
+    pub surface: Surfaces,
+}
+
+/// The surfaces of one period: one entry per axis with the law `contact`; `None` for an axis that follows no surface.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Surfaces {
+    /// Pressing directions, unit vectors along the axes of the base.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub normal: Vec<[Option<f64>; 3]>,
+    /// Coefficients of friction; `None` until the tool has slid 1 mm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub friction: Vec<Option<f64>>,
+    /// Rms angles between the normals and single measurements, rad; `None` until the tool has slid 1 mm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub normal_uncertainty: Vec<Option<f64>>,
 }
 
 /// The state of a contact.
@@ -70,14 +87,19 @@ impl fmt::Display for ContactEvent {
 }
 
 impl Contacts {
-    /// Returns contacts that approach, for a number of axes.
-    pub fn approaching(axes: usize) -> Self {
+    /// Returns contacts that approach, for a number of axes. `surfaces`: the same number if an axis follows a surface, otherwise 0.
+    pub fn approaching(axes: usize, surfaces: usize) -> Self {
         Self {
             state: vec![ContactWord::Approach; axes],
             event: vec![ContactEvent::None; axes],
             force: vec![0.0; axes],
             target_force: vec![0.0; axes],
             stiffness: vec![None; axes],
+            surface: Surfaces {
+                normal: vec![[None; 3]; surfaces],
+                friction: vec![None; surfaces],
+                normal_uncertainty: vec![None; surfaces],
+            },
         }
     }
 
@@ -90,6 +112,7 @@ impl Contacts {
             force: reports().map(|report| report.force).collect(),
             target_force: reports().map(|report| report.target_force).collect(),
             stiffness: reports().map(|report| report.stiffness).collect(),
+            surface: Surfaces::of(&reports().map(|report| report.surface.as_ref()).collect::<Vec<_>>()),
         }
     }
 
@@ -101,6 +124,26 @@ impl Contacts {
     /// Returns whether no axis has the law.
     pub fn is_empty(&self) -> bool {
         self.state.is_empty()
+    }
+}
+
+impl Surfaces {
+    /// Returns the surfaces of the axes with the law `contact`.
+    fn of(reports: &[Option<&wire::SurfaceReport>]) -> Self {
+        if reports.iter().all(Option::is_none) {
+            return Self::default();
+        }
+        let reports = || reports.iter().copied();
+        Self {
+            normal: reports().map(|report| report.map_or([None; 3], |report| report.normal.map(Some))).collect(),
+            friction: reports().map(|report| report?.friction).collect(),
+            normal_uncertainty: reports().map(|report| report?.uncertainty_rad).collect(),
+        }
+    }
+
+    /// Returns whether an axis follows a surface.
+    pub fn is_followed(&self) -> bool {
+        !self.normal.is_empty()
     }
 }
 

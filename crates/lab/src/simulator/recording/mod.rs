@@ -47,7 +47,7 @@ pub use cell::Value;
 pub use clarabel_levels::{ClarabelLevels, PRECISE};
 #[cfg(feature = "files")]
 pub use columns::{Column, TableLayout};
-pub use contact::{ContactEvent, ContactWord, Contacts};
+pub use contact::{ContactEvent, ContactWord, Contacts, Surfaces};
 #[cfg(feature = "files")]
 pub use csv_table::{cell_text, cell_value};
 #[cfg(feature = "files")]
@@ -257,9 +257,9 @@ impl Sample {
         self.limits.iter().any(|limit| *limit != AtLimit::Free)
     }
 
-    /// Returns a sample of zeros for the given number of joints, tasks, channels and axes in contact.
+    /// Returns a sample of zeros for the given number of joints, tasks, channels, axes in contact, and surfaces.
     #[cfg(feature = "files")]
-    fn zeros(joints: usize, [tasks, channels, contacts]: [usize; 3], sensed: bool) -> Self {
+    fn zeros(joints: usize, [tasks, channels, contacts, surfaces]: [usize; 4], sensed: bool) -> Self {
         let row = vec![0.0; joints];
         let zero =
             || Sensed { joint_position: row.clone(), joint_velocity: row.clone(), force: [0.0; 3], torque: [0.0; 3] };
@@ -270,7 +270,7 @@ impl Sample {
             actual_velocity: row.clone(),
             residual_norms: vec![0.0; tasks],
             channels: vec![None; channels],
-            contacts: Contacts::approaching(contacts),
+            contacts: Contacts::approaching(contacts, surfaces),
             limits: vec![AtLimit::Free; joints],
             ..Self::at_rest()
         }

@@ -20,6 +20,8 @@ pub enum Per {
     Channel,
     /// One value per axis with the law `contact`, in the order of the tasks.
     Contact,
+    /// One value per axis x, y, z of each axis with the law `contact`.
+    ContactAxis,
 }
 
 /// Kind of a value.
@@ -42,6 +44,8 @@ pub enum Kind {
 pub enum Presence {
     /// All recordings.
     Always,
+    /// Recordings in which an axis with the law `contact` follows a surface.
+    Surface,
     /// Recordings whose controller watches distances.
     Watched,
     /// Recordings whose controller received other values than the true state.
@@ -76,7 +80,7 @@ impl Quantity {
 }
 
 /// Names of the quantities that come from the answer of the service.
-const ANSWERED: [&str; 16] = [
+const ANSWERED: [&str; 19] = [
     "velocity",
     "target_force",
     "path",
@@ -91,6 +95,9 @@ const ANSWERED: [&str; 16] = [
     "contact_force",
     "contact_target",
     "contact_stiffness",
+    "contact_normal",
+    "contact_friction",
+    "contact_normal_uncertainty",
     "limit",
     "least_distance",
 ];
@@ -118,28 +125,31 @@ macro_rules! quantities {
         }),+]
     };
     (@presence sample) => { Presence::Always };
+    (@presence surface) => { Presence::Surface };
     (@presence watched) => { Presence::Watched };
     (@presence sensed) => { Presence::Sensed };
     (@presence timing) => { Presence::Timed };
     (@owner sample $sample:ident $timing:ident $by:ident) => { Some($sample) };
+    (@owner surface $sample:ident $timing:ident $by:ident) => { Some(&$sample.contacts.surface) };
     (@owner watched $sample:ident $timing:ident $by:ident) => { Some($sample) };
     (@owner sensed $sample:ident $timing:ident $by:ident) => { $sample.sensed.$by() };
     (@owner timing $sample:ident $timing:ident $by:ident) => { Some($timing) };
     (@owner_mut sample $sample:ident $timing:ident) => { Some($sample) };
+    (@owner_mut surface $sample:ident $timing:ident) => { Some(&mut $sample.contacts.surface) };
     (@owner_mut watched $sample:ident $timing:ident) => { Some($sample) };
     (@owner_mut sensed $sample:ident $timing:ident) => { $sample.sensed.as_deref_mut() };
     (@owner_mut timing $sample:ident $timing:ident) => { Some($timing) };
 }
 
 /// All quantities, in the order of their columns. To add one, add a field to [`Sample`] and a line here.
-pub static QUANTITIES: [Quantity; 37] = quantities! {
+pub static QUANTITIES: [Quantity; 40] = quantities! {
     "time" "s" Period Number sample.time_s "simulated time";
     "position" "rad" Joint Number sample.joint_position "joint position q; m for a prismatic joint";
     "velocity" "rad_s" Joint Number sample.joint_velocity "commanded joint velocity q̇; m/s for a prismatic joint";
     "tool" "m" Axis Number sample.position "tool point, base frame";
     "displacement" "m" Axis Number sample.position_error "displacement of the tool point from its start position";
     "force" "n" Axis Number sample.force "force F_e of the tool on the environment, base axes";
-    "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled";
+    "target_force" "n" Axis OptionalNumber sample.target_force "target force F_d; empty if the axis is not force-controlled, or its task follows a surface";
     "wall_distance" "m" Period OptionalNumber sample.wall_distance "distance to the nearest wall, negative in contact; empty without a wall";
     "least_distance" "m" Period OptionalNumber watched.least_distance "least distance of the pairs of shapes that the controller watches, at the sensed posture and of the last answer; empty without a pair";
     "path" "" Period Word sample.path "solution path of the command: `closed_form`, `active_set`, `qp`, …";
@@ -159,6 +169,9 @@ pub static QUANTITIES: [Quantity; 37] = quantities! {
     "contact_force" "" Contact Number sample.contacts.force "measured force along the pressing direction, N or N·m";
     "contact_target" "" Contact Number sample.contacts.target_force "target force along the pressing direction, N or N·m";
     "contact_stiffness" "" Contact OptionalNumber sample.contacts.stiffness "estimated stiffness, N/m or N·m/rad; empty until it is known";
+    "contact_normal" "" ContactAxis OptionalNumber surface.normal "estimated normal of the surface: the pressing direction, a unit vector along the axes of the base; empty for an axis without `surface`";
+    "contact_friction" "" Contact OptionalNumber surface.friction "estimated coefficient of friction; empty until the tool has slid 1 mm";
+    "contact_normal_uncertainty" "rad" Contact OptionalNumber surface.normal_uncertainty "rms angle between the normal and single measurements of it; empty until the tool has slid 1 mm";
     "limit" "" Joint Word sample.limits "`free`, at an active bound (`lower`, `upper`), or beyond a bound (`below`, `above`)";
     "work" "j" Period Number sample.energy.work_j "work done on the contacts so far";
     "stored" "j" Period Number sample.energy.stored_j "energy stored in the contacts";

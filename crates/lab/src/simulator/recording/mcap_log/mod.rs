@@ -61,7 +61,8 @@ impl<W: Write + Send> McapWriter<W> {
         let mut out = options.create(NoSeek::new(out))?;
         let run = [(DESCRIPTION.to_owned(), description::to_json(recording, timed)?)];
         out.write_metadata(&Metadata { name: description::KEY.to_owned(), metadata: run.into() })?;
-        let example = Sample { contacts: Contacts::approaching(1), ..Sample::at_rest() };
+        let follows = recording.samples.last().is_some_and(|sample| sample.contacts.surface.is_followed());
+        let example = Sample { contacts: Contacts::approaching(1, usize::from(follows)), ..Sample::at_rest() };
         let channels = Channels {
             sample: json_channel(&mut out, SAMPLES, "revprio.Sample", &schema::of_sample(recording, timed)?)?,
             wrench: json_channel(&mut out, "/wrench", "revprio.Wrench", &schema::of(&Wrench::default())?)?,

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use foxglove::messages::{
-    ArrowPrimitive, Color, CubePrimitive, LinePrimitive, Point3, Pose, SceneEntity, SceneUpdate, Vector3,
-    line_primitive,
+    ArrowPrimitive, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, Pose, SceneEntity, SceneUpdate,
+    SpherePrimitive, Vector3, line_primitive,
 };
 use nalgebra::{IsometryMatrix3, UnitQuaternion, Vector3 as Direction};
 use revprio_api::wire;
@@ -15,6 +15,7 @@ use super::super::{Recording, Sample};
 use super::messages::{BASE, quaternion, timestamp, vector};
 use super::shapes;
 use crate::simulator::moving_obstacles::MovingObstacles;
+use crate::simulator::shape::{Form, Shape};
 use crate::simulator::{Contact, ContactKind};
 
 /// Length of the arrow, m per N.
@@ -28,8 +29,7 @@ const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 pub struct SceneBuilder {
     robot: Option<Arc<RobotModel>>,
     start: Direction<f64>,
-    /// Unit vector into each wall or plane, and the distance to it from the start, m.
-    surfaces: Vec<(Direction<f64>, f64)>,
+    surfaces: Vec<Shape>,
     /// Names and primitives of the obstacles that stand.
     standing: Vec<(String, SceneEntity)>,
     moving: MovingObstacles,
@@ -54,13 +54,17 @@ impl SceneBuilder {
         }
     }
 
-    /// Returns the walls as plates. If there is one wall, its position is that of the sample, so that it may move.
-    fn walls(&self, sample: &Sample) -> Vec<CubePrimitive> {
-        let visible = |(inward, distance): &(Direction<f64>, f64)| match (self.surfaces.len(), sample.wall_distance) {
-            (1, Some(gap)) => plate(self.start, *inward, inward.dot(&Direction::from(sample.position_error)) + gap),
-            _ => plate(self.start, *inward, *distance),
-        };
-        self.surfaces.iter().map(visible).collect()
+    /// Returns the surfaces. If there is one, its position is that of the sample, so that it may move.
+    fn surfaces(&self, sample: &Sample) -> SceneEntity {
+        let mut entity = SceneEntity::default();
+        for shape in &self.surfaces {
+            let moved = match (self.surfaces.len(), sample.wall_distance) {
+                (1, Some(gap)) => gap + shape.depth(&sample.position_error.into()).depth,
+                _ => 0.0,
+            };
+            add_surface(&mut entity, self.start + shape.inward * moved, shape);
+        }
+        entity
     }
 
     /// Returns the frames of the links; none if the robot is unknown.
@@ -81,7 +85,7 @@ impl SceneBuilder {
         let robot = self.robot.as_deref().filter(|robot| robot.collision().is_some());
         let mut entities = vec![
             entity("arm".to_owned(), SceneEntity { lines: arm(sample, links), ..none() }),
-            entity("walls".to_owned(), SceneEntity { cubes: self.walls(sample), ..none() }),
+            entity("walls".to_owned(), self.surfaces(sample)),
             entity("force".to_owned(), SceneEntity { arrows: vec![arrow(sample)], ..none() }),
         ];
         entities
@@ -119,17 +123,36 @@ fn arm(sample: &Sample, links: &[IsometryMatrix3<f64>]) -> Vec<LinePrimitive> {
     vec![line]
 }
 
-/// Returns the direction into a wall or a plane and the distance to it from the start; `None` for a spring.
-fn surface(contact: &Contact) -> Option<(Direction<f64>, f64)> {
-    match (contact.kind, contact.axis, contact.normal) {
-        (ContactKind::Wall, Some(axis), _) => {
-            let side = if contact.offset_m < 0.0 { -1.0 } else { 1.0 };
-            let mut inward = Direction::zeros();
-            inward[axis] = side;
-            Some((inward, side * contact.offset_m))
+/// Returns the shape of a surface; `None` for a spring or a door.
+fn surface(contact: &Contact) -> Option<Shape> {
+    let is_surface = !matches!(contact.kind, ContactKind::Spring | ContactKind::Door);
+    // The scenario of a recording is valid.
+    is_surface.then(|| Shape::new(contact, "").ok()).flatten()
+}
+
+/// Adds a surface whose place is relative to a start: a plate, a bar of 60 cm or a ball.
+fn add_surface(entity: &mut SceneEntity, start: Direction<f64>, shape: &Shape) {
+    let pose = |middle: Direction<f64>, turn: &UnitQuaternion<f64>| {
+        Some(Pose { position: Some(vector(middle.into())), orientation: Some(quaternion(turn)) })
+    };
+    match shape.form {
+        Form::Flat | Form::Step { .. } => entity.cubes.push(plate(start, shape.inward, shape.offset)),
+        Form::Round { axis, radius } => {
+            let (middle, diameter) = (start + shape.center(radius), 2.0 * radius);
+            let Some(axis) = axis else {
+                let pose = pose(middle, &UnitQuaternion::identity());
+                let size = Some(Vector3 { x: diameter, y: diameter, z: diameter });
+                return entity.spheres.push(SpherePrimitive { pose, size, color: Some(WALL) });
+            };
+            let turn = UnitQuaternion::rotation_between(&Direction::z(), &axis).unwrap_or_default();
+            entity.cylinders.push(CylinderPrimitive {
+                pose: pose(middle, &turn),
+                size: Some(Vector3 { x: diameter, y: diameter, z: 0.6 }),
+                bottom_scale: 1.0,
+                top_scale: 1.0,
+                color: Some(WALL),
+            });
         }
-        (ContactKind::Plane, _, Some(normal)) => Some((-Direction::from(normal).try_normalize(0.0)?, contact.offset_m)),
-        _ => None,
     }
 }
 
@@ -198,7 +221,7 @@ mod tests {
         });
         let mut recording = Recording::empty();
         recording.setup = Some(serde_json::from_value(scenario).unwrap());
-        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, [1, 0, 0], false) }];
+        recording.samples = vec![Sample { joint_position: POSTURE.to_vec(), ..Sample::zeros(7, [1, 0, 0, 0], false) }];
         recording
     }
 
@@ -256,6 +279,25 @@ mod tests {
         let lamp = entity(&scene, "obstacle lamp");
         assert_eq!(lamp.spheres[0].size, Some(vector([0.2; 3])));
         assert!(lamp.cylinders.is_empty());
+    }
+
+    #[test]
+    fn a_round_surface_is_a_bar_or_a_ball_that_touches_the_place_of_its_offset() {
+        let mut recording = recording();
+        let bar = json!({"kind": "cylinder", "axis": "y", "normal": [0, 0, 1], "offset_m": 0.02, "radius_m": 0.3,
+            "stiffness": 1e4});
+        recording.setup.as_mut().unwrap().contacts = vec![serde_json::from_value(bar).unwrap()];
+        let first = &mut recording.samples[0];
+        // The start is at (0.1, 0.2, 0.5). The bar has moved up by 5 mm.
+        (first.position, first.position_error, first.wall_distance) = ([0.1, 0.2, 0.5], [0.0; 3], Some(0.015));
+        let walls = entity(&first_scene(&recording), "walls");
+        assert_eq!(walls.cylinders[0].size, Some(vector([0.6; 3])));
+        let middle = place(walls.cylinders[0].pose.as_ref());
+        assert!((middle - Direction::new(0.1, 0.2, 0.5 - 0.015 - 0.3)).norm() < 1e-12, "{middle}");
+        let contact = &mut recording.setup.as_mut().unwrap().contacts[0];
+        (contact.kind, contact.axis) = (ContactKind::Sphere, None);
+        let ball = &entity(&first_scene(&recording), "walls").spheres[0];
+        assert_eq!((ball.size, place(ball.pose.as_ref())), (Some(vector([0.6; 3])), middle));
     }
 
     #[test]
