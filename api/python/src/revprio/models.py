@@ -115,6 +115,7 @@ __all__ = [
     "LiveRoom",
     "LiveSample",
     "LookAtLaw",
+    "MeasuredContact",
     "Memory",
     "Method",
     "MotionPath",
@@ -555,6 +556,8 @@ class SurfaceReport(Answer):
     - is_limited: Whether the surface is tilted by more than `max_tilt_rad`. The force then has an error.
     - normal: Direction in which the task presses, a unit vector along the axes of the base.
     - friction: Estimated coefficient of friction; absent until the tool has slid 1 mm.
+    - max_speed: Largest speed of the other tasks along the surface, m/s, until its normal is known; absent from
+      then on, and without contact.
     - uncertainty_rad: Rms angle between the normal and single measurements of it over the last 5 mm, rad. It begins
       with the largest tilt; absent until the tool has slid 1 mm.
     """
@@ -565,6 +568,9 @@ class SurfaceReport(Answer):
     """Direction in which the task presses, a unit vector along the axes of the base."""
     friction: float | None = None
     """Estimated coefficient of friction; absent until the tool has slid 1 mm."""
+    max_speed: float | None = None
+    """Largest speed of the other tasks along the surface, m/s, until its normal is known; absent from then on, and
+    without contact."""
     uncertainty_rad: float | None = None
     """Rms angle between the normal and single measurements of it over the last 5 mm, rad. It begins with the largest
     tilt; absent until the tool has slid 1 mm."""
@@ -1940,6 +1946,35 @@ class Contact(Body):
     """Radius of a cylinder or a sphere, or distance from the hinge of a door to its handle, m."""
 
 
+class MeasuredContact(Body):
+    """What an axis with the law `contact` remembers of the measured positions of the tool. Positions are m or rad,
+    forces N or N·m.
+
+    Fields:
+
+    - means: Running means of sensed position and force. Shape: 2.
+    - position: Measured position of the tool, the same as the force sensor sees it, and the short mean of that.
+      Shape: 3.
+    - stiffness: Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3.
+    - sums: Sums of the squared position, position times force, the squared force, and the number of samples. Shape:
+      4.
+    - surface_motion: Short mean of the place of the surface, its velocity over the long time, and how long the
+      change from that has lasted, s. Shape: 3.
+    """
+
+    means: Vector
+    """Running means of sensed position and force. Shape: 2."""
+    position: Vector
+    """Measured position of the tool, the same as the force sensor sees it, and the short mean of that. Shape: 3."""
+    stiffness: Vector
+    """Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3."""
+    sums: Vector
+    """Sums of the squared position, position times force, the squared force, and the number of samples. Shape: 4."""
+    surface_motion: Vector
+    """Short mean of the place of the surface, its velocity over the long time, and how long the change from that has
+    lasted, s. Shape: 3."""
+
+
 class NormalMemory(Body):
     """What the law `contact` remembers of the normal of a surface. Vectors are along the axes of the base.
 
@@ -1980,7 +2015,7 @@ class ContactMemory(Body):
     Fields:
 
     - before_retreat: Sensed position when the tool last moved forward.
-    - contact_time_s: Time in contact since the last touch, or of suspicion before it, s.
+    - contact_time_s: Time in contact since the last touch, of suspicion before it, or of a loss, s.
     - fault_position: Position at the fault.
     - force: Force of the last state.
     - hold_time_s: Time for which the force is near its target, s, up to the time after which the contact is held.
@@ -2002,6 +2037,8 @@ class ContactMemory(Body):
     - fault: Why the contact is given up; only in the state `fault`.
     - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
       the contact is lost.
+    - measured: What the measured positions of the tool show; absent until it touches, and in older memories: then a
+      motion of the surface is noticed from the next touch on.
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
       period.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
@@ -2011,7 +2048,7 @@ class ContactMemory(Body):
     before_retreat: float
     """Sensed position when the tool last moved forward."""
     contact_time_s: float
-    """Time in contact since the last touch, or of suspicion before it, s."""
+    """Time in contact since the last touch, of suspicion before it, or of a loss, s."""
     fault_position: float
     """Position at the fault."""
     force: float
@@ -2048,6 +2085,9 @@ class ContactMemory(Body):
     lack: float | None = None
     """Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact
     is lost."""
+    measured: MeasuredContact | None = None
+    """What the measured positions of the tool show; absent until it touches, and in older memories: then a motion of
+    the surface is noticed from the next touch on."""
     normal: NormalMemory | None = None
     """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
     unchanged: Vector | None = None
