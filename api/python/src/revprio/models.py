@@ -2037,8 +2037,8 @@ class ContactMemory(Body):
     - fault: Why the contact is given up; only in the state `fault`.
     - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
       the contact is lost.
-    - measured: What the measured positions of the tool show; absent until it touches, and in older memories: then a
-      motion of the surface is noticed from the next touch on.
+    - measured: What the measured positions of the tool show; absent before the first period, and in older memories:
+      then a motion of the surface is noticed from the next touch on.
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
       period.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
@@ -2086,8 +2086,8 @@ class ContactMemory(Body):
     """Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact
     is lost."""
     measured: MeasuredContact | None = None
-    """What the measured positions of the tool show; absent until it touches, and in older memories: then a motion of
-    the surface is noticed from the next touch on."""
+    """What the measured positions of the tool show; absent before the first period, and in older memories: then a
+    motion of the surface is noticed from the next touch on."""
     normal: NormalMemory | None = None
     """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
     unchanged: Vector | None = None

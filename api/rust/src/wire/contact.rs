@@ -227,7 +227,7 @@ pub struct ContactMemory {
     /// Mean place of the surface, the stiffness of that mean, and the velocity of the surface.
     #[schema(example = json!([0.01, 12_000.0, 0.0]))]
     pub surface_motion: [f64; 3],
-    /// What the measured positions of the tool show; absent until it touches, and in older memories: then a motion of the surface is noticed from the next
+    /// What the measured positions of the tool show; absent before the first period, and in older memories: then a motion of the surface is noticed from the next
     /// touch on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<MeasuredContact>,

@@ -4,8 +4,6 @@ use revprio_api::wire::{Profile, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::shape::Shape;
-
 /// Kind of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -71,17 +69,6 @@ pub struct Contact {
     /// What resists a door; nothing by default.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub hinge: Option<Hinge>,
-}
-
-impl Contact {
-    /// Returns the share of K_e that acts along a base axis at the start: the square of the component of the direction. The
-    /// grip of a door is as stiff in all directions.
-    pub fn share_along(&self, axis: usize) -> f64 {
-        if self.kind == ContactKind::Door {
-            return 1.0;
-        }
-        Shape::new(self, "").map_or(0.0, |shape| shape.inward[axis].powi(2))
-    }
 }
 
 /// A round hole for a round peg that stays upright. The tool point is the middle of its lower end.

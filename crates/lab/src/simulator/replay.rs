@@ -78,7 +78,7 @@ pub fn replay(
     for (period, sample) in recording.samples.iter().enumerate() {
         let time_s = sample.time_s;
         let last = period.checked_sub(1).map(|last| &recording.samples[last]);
-        let targets = streams.next(sample.position, last);
+        let targets = streams.next(sample.position, last.is_some_and(Sample::presses));
         // There was no call while the service was down.
         if scenario.faults.is_down(time_s) {
             again.samples.push(sample.clone());

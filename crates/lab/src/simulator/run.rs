@@ -135,7 +135,7 @@ impl<'a> SteppedRun<'a> {
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
-        let mut streamed = streams.next(plant.tool_position(), samples.last());
+        let mut streamed = streams.next(plant.tool_position(), samples.last().is_some_and(Sample::presses));
         // Those of the operator come first.
         streamed.extend(targets);
         let state = wire::State { targets: streamed, ..measured.state(period, time_s) };

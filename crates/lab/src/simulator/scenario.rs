@@ -15,6 +15,7 @@ use super::field_error::{FieldError, between, number, positive};
 use super::moving_obstacles::{MovingObstacles, ObstacleMotion};
 use super::profile::external_wrench;
 use super::sensors::{Sensing, Sensors};
+use super::shape::share_along;
 use super::target_program::{TargetProgram, TargetPrograms};
 use super::toml_lines;
 
@@ -217,7 +218,7 @@ impl Scenario {
     /// contributes its share to each axis.
     pub fn controller_in_environment(&self) -> wire::Controller {
         let along = |axis: usize| {
-            let shares = self.contacts.iter().map(|contact| (contact, contact.share_along(axis)));
+            let shares = self.contacts.iter().map(|contact| (contact, share_along(contact, axis)));
             shares.filter(|(_, share)| *share > 0.0).fold(
                 None,
                 |sum: Option<wire::EnvironmentAxis>, (contact, share)| {

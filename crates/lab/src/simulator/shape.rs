@@ -153,6 +153,15 @@ impl Side {
     }
 }
 
+/// Returns the share of K_e that acts along a base axis at the start: the square of the component of the direction. The grip of a door
+/// is as stiff in all directions.
+pub fn share_along(contact: &Contact, axis: usize) -> f64 {
+    if contact.kind == ContactKind::Door {
+        return 1.0;
+    }
+    Shape::new(contact, "").map_or(0.0, |shape| shape.inward[axis].powi(2))
+}
+
 /// Returns the form of a spring, a wall or a plane.
 fn level(contact: &Contact, inward: &Vector3<f64>, pointer: &str) -> Result<Form, FieldError> {
     let at = |field: &str| format!("{pointer}/{field}");

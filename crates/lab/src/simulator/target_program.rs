@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::field_error::{FieldError, number, positive};
-use super::recording::{ContactWord, Sample};
 
 /// Largest number of programs of a scenario.
 const MAX_STREAMS: usize = 100;
@@ -77,12 +76,13 @@ impl TargetPrograms {
         streams.iter().enumerate().map(program).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Returns the targets of a period; `position`: the place of the tool (m), `last`: the sample of the period before.
-    pub fn next(&mut self, position: [f64; 3], last: Option<&Sample>) -> BTreeMap<String, wire::StreamedTarget> {
+    /// Returns the targets of a period; `position`: the place of the tool (m), `presses`: whether the last answer has the first contact in the
+    /// state `contact`.
+    pub fn next(&mut self, position: [f64; 3], presses: bool) -> BTreeMap<String, wire::StreamedTarget> {
         let target = |program: &mut Program| {
             let target = match &mut program.state {
                 ProgramState::AlongMotion(along) => along.next(position.into()),
-                ProgramState::Spiral(spiral) => spiral.next(position, last),
+                ProgramState::Spiral(spiral) => spiral.next(position, presses),
             };
             (program.task.clone(), target)
         };
@@ -170,10 +170,9 @@ struct Spiral {
 }
 
 impl Spiral {
-    fn next(&mut self, position: [f64; 3], last: Option<&Sample>) -> wire::StreamedTarget {
+    fn next(&mut self, position: [f64; 3], presses: bool) -> wire::StreamedTarget {
         let [x, y, z] = position;
         let start = *self.start.get_or_insert(position);
-        let presses = last.is_some_and(|last| last.contacts.state.first() == Some(&ContactWord::Contact));
         if presses {
             self.touch_m.get_or_insert(z);
         }
@@ -198,7 +197,6 @@ impl Spiral {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recording::Contacts;
     use super::*;
     use serde_json::json;
 
@@ -224,7 +222,7 @@ mod tests {
         let mut force = Vector3::zeros();
         for step in 0..=10_000 {
             let angle = f64::from(step) * 1e-4;
-            let target = &streams.next([0.3 * angle.sin(), -0.3 * angle.cos(), 0.5], None)["pull"];
+            let target = &streams.next([0.3 * angle.sin(), -0.3 * angle.cos(), 0.5], false)["pull"];
             force = Vector3::from_column_slice(target.force.as_ref().unwrap());
             if step == 0 {
                 assert_eq!(force, Vector3::new(15.0, 0.0, 0.0));
@@ -240,25 +238,23 @@ mod tests {
         let mut streams = streams(json!({"kind": "spiral_search", "task": "search", "pitch_m": 1e-3, "speed": 0.01,
             "inserted_m": 0.003}))
         .unwrap();
-        let mut sample = Sample { contacts: Contacts::approaching(1, 0), ..Sample::at_rest() };
-        let mut place = |height: f64, sample: &Sample| {
-            let target = streams.next([0.4, 0.1, height], Some(sample)).remove("search").unwrap();
+        let mut place = |height: f64, presses: bool| {
+            let target = streams.next([0.4, 0.1, height], presses).remove("search").unwrap();
             let [x, y, z] = target.pose.unwrap().position.unwrap();
             assert_eq!(z, 0.5);
             [x - 0.4, y - 0.1]
         };
-        assert_eq!(place(0.5, &sample), [0.0, 0.0]);
-        assert_eq!(place(0.45, &sample), [0.0, 0.0], "it does not search before the touch");
-        sample.contacts.state[0] = ContactWord::Contact;
-        let way: Vec<[f64; 2]> = (0..1500).map(|_| place(0.4, &sample)).collect();
+        assert_eq!(place(0.5, false), [0.0, 0.0]);
+        assert_eq!(place(0.45, false), [0.0, 0.0], "it does not search before the touch");
+        let way: Vec<[f64; 2]> = (0..1500).map(|_| place(0.4, true)).collect();
         let speed = |i: usize| (way[i + 1][0] - way[i][0]).hypot(way[i + 1][1] - way[i][1]) / 0.002;
         assert!([500, 1000, 1400].iter().all(|i| (speed(*i) - 0.01).abs() < 2e-4), "{}", speed(500));
         // 30 mm of way are 3.09 turns.
         let [x, y] = *way.last().unwrap();
         assert!((x.hypot(y) - 3.09e-3).abs() < 1e-5, "{}", x.hypot(y));
         // In the hole, the place is that of the tool, also when it presses on the bottom.
-        assert_eq!(place(0.396, &sample), [0.0, 0.0]);
-        assert_eq!(place(0.38, &sample), [0.0, 0.0]);
+        assert_eq!(place(0.396, true), [0.0, 0.0]);
+        assert_eq!(place(0.38, true), [0.0, 0.0]);
     }
 
     #[test]

@@ -298,7 +298,7 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         means,
         sums,
         surface_motion: [axis.motion.means[0], axis.motion.slope, axis.motion.velocity],
-        measured: (axis.motion.stiffness.upper > 0.0).then(|| motion_answer(&axis.motion)),
+        measured: (axis.motion != SurfaceMotion::default()).then(|| motion_answer(&axis.motion)),
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
         unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],

@@ -79,9 +79,12 @@ impl SurfaceMotion {
         self.stiffness.restart_means(self.tool[1], force);
     }
 
-    /// Lets the surface go on with its velocity for a period (s) in which it is not seen.
-    pub(super) fn coast(&mut self, period: f64) {
-        let way = period * self.velocity;
+    /// Lets the surface go on with its velocity for a period (s) in which it is not seen. One that comes, and is lost all the same, has stopped.
+    pub(super) fn coast(&mut self, timing: &ContactTiming) {
+        if self.velocity < 0.0 {
+            self.velocity *= (-timing.period / timing.reaction).exp();
+        }
+        let way = timing.period * self.velocity;
         self.means = self.means.map(|mean| mean + way);
         self.tool[2] += way;
     }

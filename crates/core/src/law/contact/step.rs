@@ -38,8 +38,8 @@ const SLOWEST_RETURN: f64 = 1e-3;
 /// Share of its velocity by which the tool is faster than a surface that has left.
 const CHASE: f64 = 0.25;
 
-/// Longest time for which a surface is thought to move on after a loss, s.
-const LONGEST_CHASE: f64 = 0.5;
+/// Longest time for which a surface is thought to move on after a loss, s. What the tool meets later is a new surface, of unknown stiffness.
+const LONGEST_CHASE: f64 = 0.1;
 
 /// How far behind its place a lost surface may be, m.
 const LOST_DEPTH: f64 = 1e-4;
@@ -284,7 +284,7 @@ impl Step<'_> {
     /// Moves the place of a surface that has left, a little faster than it was seen to move, so that the tool meets it again.
     fn chase(&mut self) {
         let (axis, period) = (&mut *self.axis, self.timing.period);
-        axis.motion.coast(period);
+        axis.motion.coast(self.timing);
         axis.surface += period * (axis.motion.velocity + CHASE * axis.motion.velocity.max(0.0));
     }
 

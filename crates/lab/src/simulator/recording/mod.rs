@@ -251,6 +251,12 @@ impl Recording {
 }
 
 impl Sample {
+    /// Returns whether the first axis with the law `contact` is in contact.
+    #[must_use]
+    pub fn presses(&self) -> bool {
+        self.contacts.state.first() == Some(&ContactWord::Contact)
+    }
+
     /// Returns whether a limit of at least one joint is active or exceeded.
     #[must_use]
     pub fn is_at_limit(&self) -> bool {
