@@ -282,7 +282,7 @@ fn wiping_a_curved_surface_keeps_the_normal_force_because_it_follows_the_normal(
     assert!((-19.5..-18.5).contains(&slopes[0]) && (18.0..19.0).contains(&slopes[1]), "{slopes:?}");
     let speed = run.windows(2).map(|pair| distance(pair[0].position_error, pair[1].position_error) / 1e-3);
     let speed = speed.fold(0.0, f64::max);
-    assert!((0.045..0.05).contains(&speed), "{speed}");
+    assert!((0.045..0.06).contains(&speed), "{speed}");
     // The reported normal is a mean over the last 5 mm, in which the surface turns by 1.9 degrees.
     let off = largest(&run, |s| {
         let [x, _, z] = s.contacts.surface.normal[0].map(Option::unwrap);
