@@ -48,6 +48,14 @@ proptest! {
     }
 }
 
+/// Friction that begins against the tilt makes a contact of 1e5 N/m look stiffer, and then the surface recedes.
+#[test]
+fn a_stiff_rough_surface_that_falls_is_not_lost() {
+    let surface = Surface { stiffness: 1e5, ..tilted(30.0, 0.5) };
+    let found = wipe(surface, Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X });
+    assert!(found.error < 0.2 && found.losses == 0, "{found:?}");
+}
+
 #[test]
 fn a_tool_is_slow_until_the_normal_is_known() {
     let seen = World::new(tilted(20.0, 0.3), Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X }).run(BEGIN + 4.0);
@@ -72,6 +80,18 @@ fn a_fixed_frame_presses_too_hard_or_too_softly() {
     let fixed = Wipe { surface: None, ..Wipe::ALONG_X };
     let (up, down) = (wipe(tilted(-20.0, 0.5), fixed), wipe(tilted(20.0, 0.5), fixed));
     assert!(up.error > 0.2 && down.error > 0.2, "{up:?} {down:?}");
+}
+
+/// A surface that comes is not taken for a stiff one, from which the tool would retreat slowly.
+#[test]
+fn a_fixed_axis_does_not_press_harder_and_harder() {
+    for (stiffness, tilt, friction, stroke) in
+        [(1e5, -10.0, 0.0, Stroke::SlowStart), (1e5, -10.0, 0.5, Stroke::SlowStart), (3e4, -30.0, 0.5, Stroke::Abrupt)]
+    {
+        let surface = Surface { stiffness, ..tilted(tilt, friction) };
+        let found = wipe(surface, Wipe { surface: None, stroke, ..Wipe::ALONG_X });
+        assert!(found.peak < 4.5, "{stiffness} {tilt} {friction}: {found:?}");
+    }
 }
 
 #[test]

@@ -85,6 +85,13 @@ impl StiffnessEstimate {
         (self.mean_position, self.mean_force) = (position, force);
     }
 
+    /// Drops what a force has shown above the known slope: it came from a surface that moves.
+    pub(super) fn refute(&mut self) {
+        if self.slope > 0.0 {
+            self.upper = self.upper.min(HELD_MARGIN * self.slope);
+        }
+    }
+
     /// Learns from x_s (m) and F (N) of a period in contact. It learns only from motion that the noise does not hide.
     ///
     /// While the contact is held, the slope stays and K̂ does not fall below twice the slope: motion with little change of the force

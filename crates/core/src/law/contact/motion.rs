@@ -27,6 +27,9 @@ const BELIEVED: f64 = 2.0;
 /// τ_d after which a change is over: the short mean has reached 95 % of it.
 const OVER: f64 = 3.0;
 
+/// Share of F_d by which a force is off that refutes a stiffness.
+const OFF: f64 = 0.2;
+
 /// Factor of swings, and K̂ over K_m, up to which a change is believed. A held K̂ is twice K_m; above that a force has shown more.
 const TRUSTED: (f64, f64) = (1.2, 2.05);
 
@@ -95,20 +98,27 @@ impl SurfaceMotion {
     }
 
     /// Learns from a period in contact: F and F_d, N, how F swings, and whether the contact is held.
+    ///
+    /// Returns whether a held contact is less stiff than K̂.
     pub(super) fn learn(
         &mut self,
         terms: (&ContactSettings, &ContactTiming),
         forces: [f64; 2],
         (swing, is_held): (&Swing, bool),
-    ) {
+    ) -> bool {
         let [way, change] = [self.tool[1] - self.stiffness.mean_position, forces[0] - self.stiffness.mean_force];
         self.stiffness.learn(terms, (self.tool[1], forces[0]), (is_held, self.slow));
-        if is_held {
-            self.follow(terms, forces, swing);
-        } else {
+        if !is_held {
             let velocity = self.coming(terms, [way, change]);
             *self = Self { tool: self.tool, stiffness: self.stiffness, velocity, ..Self::NONE };
+            return false;
         }
+        let is_refuted = refutes(terms.0, forces, [way, change]);
+        if is_refuted {
+            self.stiffness.refute();
+        }
+        self.follow(terms, forces, swing);
+        is_refuted
     }
 
     /// Updates the means and the velocity.
@@ -163,6 +173,14 @@ impl SurfaceMotion {
         let before = self.velocity.min(0.0) * (-timing.period / timing.surface).exp();
         speed.min(before).max(-settings.followed_speed)
     }
+}
+
+/// Returns whether no stiffness explains the way (m) of the tool and the change of the force (N) within the window: the tool retreats, and a
+/// force above F_d rises all the same; or it advances, and one below F_d falls.
+fn refutes(settings: &ContactSettings, [force, target]: [f64; 2], [way, change]: [f64; 2]) -> bool {
+    let error = force - target;
+    let is_off = error.abs() > OFF * target && error * change > 0.0;
+    is_off && change.abs() > SIGMAS * settings.noise && way * change < 0.0
 }
 
 /// Returns the rms noise of a velocity over a time constant, m/s, at the stiffness K_m.
@@ -236,6 +254,16 @@ mod tests {
         let stiffness = StiffnessEstimate { upper: 2.4 * STIFFNESS, slope: 1.2 * STIFFNESS, ..held().stiffness };
         let motion = moved(SurfaceMotion { stiffness, slope: 1.2 * STIFFNESS, ..held() }, [0.0, 0.01], 18);
         assert!(motion.velocity.abs() < 1e-3, "{motion:?}");
+    }
+
+    #[test]
+    fn a_force_that_moves_against_the_tool_refutes_a_stiffness() {
+        // The tool retreats and the force rises, or the tool advances and the force falls; with a spring both go together.
+        for (surface, tool, is_stiff) in [(-0.02, -0.01, false), (0.02, 0.01, false), (0.0, 0.01, true)] {
+            let stiffness = StiffnessEstimate { upper: 20.0 * STIFFNESS, ..held().stiffness };
+            let motion = moved(SurfaceMotion { stiffness, ..held() }, [surface, tool], 30);
+            assert_eq!(motion.stiffness.upper > 2.1 * STIFFNESS, is_stiff, "{surface} {tool}: {motion:?}");
+        }
     }
 
     #[test]

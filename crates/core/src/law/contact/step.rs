@@ -26,6 +26,12 @@ const SUSPICIONS: f64 = 2.0;
 /// Rate at which that clock runs back while the force is away.
 const AWAY: f64 = 0.5;
 
+/// The same while it is off by [`STAYS`] at most.
+const SLOWLY_AWAY: f64 = 0.1;
+
+/// Share of F_d within which a force does not count as away: an axis that is not the normal of the surface keeps an error while the tool slides.
+const STAYS: f64 = 0.3;
+
 /// How near that is: a share of F_d, or of f₅.
 const NEAR: (f64, f64) = (0.1, 1.0);
 
@@ -247,12 +253,15 @@ impl Step<'_> {
     fn learn(&mut self) {
         let (terms, axis, force) = ((self.settings, self.timing), &mut *self.axis, self.input.force);
         axis.contact_time += self.timing.period;
-        let is_near = (force - self.input.target).abs() < near(self.settings, self.input.target);
-        axis.hold_time = if is_near {
+        let error = (force - self.input.target).abs();
+        axis.hold_time = if error < near(self.settings, self.input.target) {
             (axis.hold_time + self.timing.period).min(HELD)
         } else if axis.hold_time > 0.5 * HELD {
             // While the motion of the surface explains the force, the stiffness is not learnt anew.
-            let away = if axis.motion.is_changing(self.timing) { 0.0 } else { AWAY };
+            let stays = error < STAYS * self.input.target;
+            let is_explained = axis.motion.is_changing(self.timing) || stays && axis.motion.slow != 0.0;
+            let unexplained = if stays { SLOWLY_AWAY } else { AWAY };
+            let away = if is_explained { 0.0 } else { unexplained };
             (axis.hold_time - away * self.timing.period).max(0.0)
         } else {
             0.0
@@ -262,7 +271,9 @@ impl Step<'_> {
         if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
             axis.surface = axis.sensed_position - force / axis.estimate.best();
         }
-        axis.motion.learn(terms, [force, self.input.target], (&axis.swing, is_held));
+        if axis.motion.learn(terms, [force, self.input.target], (&axis.swing, is_held)) {
+            axis.estimate.refute();
+        }
         axis.swing.update(terms, force - self.input.target, self.input.target);
     }
 
