@@ -67,10 +67,17 @@ inline double pose_gain(const PressOptions& options) {
 
 inline void hold_others(Json& tasks, const std::vector<std::string>& moved, const Json& frame, const PressOptions& options) {
     Json held = Json::array();
-    if (options.hold.is_array()) held = options.hold;
+    const auto is_moved = [&](const Json& axis) { return std::find(moved.begin(), moved.end(), axis) != moved.end(); };
+    if (options.hold.is_array()) {
+        for (const Json& axis : options.hold) {
+            if (is_moved(axis) || std::find(held.begin(), held.end(), axis) != held.end())
+                throw std::invalid_argument("leave " + axis.dump() + " out of the axes to hold: it has a task already");
+            held.push_back(axis);
+        }
+    }
     if (options.hold == "rest")
         for (const char* axis : {"x", "y", "z", "rx", "ry", "rz"})
-            if (std::find(moved.begin(), moved.end(), axis) == moved.end()) held.push_back(axis);
+            if (!is_moved(axis)) held.push_back(axis);
     if (held.empty()) return;
     const Json law{{"kind", "pose"}, {"gain", pose_gain(options)}};
     tasks.push_back({{"name", "hold"}, {"axes", held}, {"frame", frame}, {"law", law}});

@@ -237,6 +237,11 @@ void presets(revprio::Client& client) {
     const auto followed = revprio::wipe("z", -15, "y", following);
     check(followed.at(0).at("law").at("surface").at("max_tilt_rad") == 0.6, "a wipe follows a surface");
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "z"); }, "a wipe along the pressing axis is refused");
+    for (const auto& held : {revprio::Json({"z"}), revprio::Json({"y"}), revprio::Json({"x", "x"})}) {
+        revprio::WipeOptions twice;
+        twice.hold = held;
+        expect_throw<std::invalid_argument>([&] { revprio::wipe("z", 5, "y", twice); }, "an axis with two tasks is refused");
+    }
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "rx"); }, "a wipe that turns is refused");
 }
 

@@ -278,6 +278,9 @@ def test_a_wipe_keeps_its_force_on_a_surface_with_friction(tilt: float) -> None:
         ({"newtons": 5, "along": "y", "stroke_m": np.nan}, "/stroke_m"),
         ({"newtons": 5, "along": "y", "speed": 0}, "/speed"),
         ({"newtons": 5, "along": "y", "max_tilt_rad": 0}, "/max_tilt_rad"),
+        ({"newtons": 5, "along": "y", "hold": ["z"]}, "/hold"),
+        ({"newtons": 5, "along": "y", "hold": ["x", "y"]}, "/hold"),
+        ({"newtons": 5, "along": "y", "hold": ["x", "x"]}, "/hold"),
     ],
 )
 def test_a_wipe_without_a_meaning_is_refused(arguments: dict[str, object], pointer: str) -> None:

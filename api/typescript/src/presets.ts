@@ -39,8 +39,7 @@ export interface PushOptions {
  * tool presses.
  */
 export function push(axis: Axis, newtons: number, options: PushOptions = {}): ControllerTask[] {
-  const { hold = "rest" } = options;
-  const held = hold === "rest" ? AXES.filter((other) => other !== axis) : (hold ?? []);
+  const held = heldAxes(options, [axis]);
   const tasks: ControllerTask[] = [{ name: "push", axes: [axis], law: contactLaw(newtons, options) }];
   if (held.length > 0) tasks.push({ name: "hold", axes: held, law: { kind: "pose", gain: poseGain(options) } });
   return tasks;
@@ -63,7 +62,7 @@ export interface WipeOptions extends PushOptions {
  * The motion begins with the first state, also while the tool still approaches the surface.
  */
 export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOptions = {}): ControllerTask[] {
-  const { hold = "rest", strokeM = 0.1, speed = 0.05, frame = "base", maxTiltRad } = options;
+  const { strokeM = 0.1, speed = 0.05, frame = "base", maxTiltRad } = options;
   if (!["x", "y", "z"].includes(along) || along === axis) {
     throw new RangeError("move along `x`, `y` or `z`, and along another axis than the one along which the tool presses");
   }
@@ -88,7 +87,7 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     { name: "push", axes: [axis], frame, law: { ...contactLaw(newtons, options), ...surface } },
     { name: "wipe", axes: [along], frame, law: { kind: "pose", gain, target_displacement: way } },
   ];
-  const held = hold === "rest" ? AXES.filter((other) => other !== axis && other !== along) : (hold ?? []);
+  const held = heldAxes(options, [axis, along]);
   if (held.length > 0) tasks.push({ name: "hold", axes: held, frame, law: { kind: "pose", gain } });
   return tasks;
 }
@@ -104,6 +103,17 @@ function contactLaw(newtons: number, options: PushOptions): Law {
     ...(options.stiffest !== undefined && { stiffest: options.stiffest }),
     ...(options.maxForce !== undefined && { max_force: options.maxForce }),
   };
+}
+
+/** Axes to hold. Throws a `RangeError` for those that other tasks move. */
+function heldAxes({ hold = "rest" }: PushOptions, moved: readonly Axis[]): Axis[] {
+  if (hold === "rest") return AXES.filter((axis) => !moved.includes(axis));
+  const held = hold ?? [];
+  for (const [index, axis] of held.entries()) {
+    if (moved.includes(axis)) throw new RangeError(`leave \`${axis}\` out of \`hold\`: it presses or moves already`);
+    if (held.indexOf(axis) !== index) throw new RangeError(`give \`${axis}\` once in \`hold\``);
+  }
+  return held;
 }
 
 /** Gain of a pose law, 1/s, for the arm of the options. */

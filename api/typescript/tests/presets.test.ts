@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { suite, test } from "node:test";
+import type { Axis } from "../src/bodies.js";
 import { push, wipe } from "../src/index.js";
 import { POSTURE, serve, testClient } from "./service.js";
 
@@ -34,6 +35,10 @@ suite("presets", () => {
     assert.deepEqual(hold?.axes, ["x", "rx", "ry", "rz"]);
     for (const along of ["z", "rx"] as const) assert.throws(() => wipe("z", -15, along), RangeError);
     assert.throws(() => wipe("z", -15, "y", { strokeM: 0 }), RangeError);
+    for (const hold of [["y"], ["z"], ["x", "x"]] as Axis[][]) {
+      assert.throws(() => wipe("z", -15, "y", { hold }), RangeError);
+    }
+    assert.throws(() => push("z", -15, { hold: ["z"] }), RangeError);
     assert.throws(() => wipe("z", -15, "y", { speed: 0 }), RangeError);
     assert.throws(() => wipe("z", -15, "y", { maxTiltRad: 0 }), RangeError);
     const [push] = wipe("z", -15, "y", { maxTiltRad: 0.6 });

@@ -132,7 +132,7 @@ def wipe(  # noqa: PLR0913
     if max_tilt_rad is not None:
         law = law.model_copy(update={"surface": SurfaceFollowing(max_tilt_rad=max_tilt_rad)})
     sweep = PoseLaw(gain=gain, target_displacement=way)
-    held = [other for other in AXES if other not in (axis, along)] if hold == "rest" else list(hold or [])
+    held = _held(hold, (axis, along))
     tasks = [
         ControllerTask(name="push", axes=axis, frame=frame, law=law),
         ControllerTask(name="wipe", axes=along, frame=frame, law=sweep),
@@ -159,11 +159,24 @@ def _contact(
     )
 
 
+def _held(hold: Literal["rest"] | Sequence[Axis] | None, moved: Sequence[Axis]) -> list[Axis]:
+    """Returns the axes to hold; refuses those that other tasks move."""
+    if hold == "rest":
+        return [axis for axis in AXES if axis not in moved]
+    held = list(hold or [])
+    for index, axis in enumerate(held):
+        if axis in moved:
+            raise _invalid("/hold", f"leave out `{axis}`, which presses or moves already")
+        if axis in held[:index]:
+            raise _invalid("/hold", f"give `{axis}` once")
+    return held
+
+
 def _pushing(
     axis: Axis, law: ContactLaw | ForceLaw, hold: Literal["rest"] | Sequence[Axis] | None, to_rest_s: float
 ) -> list[ControllerTask]:
     """Returns the task with the law, and a second one that holds axes of an arm with this lag and delay together, s."""
-    held = [other for other in AXES if other != axis] if hold == "rest" else list(hold or [])
+    held = _held(hold, (axis,))
     tasks = [ControllerTask(name="push", axes=axis, law=law)]
     if held:
         tasks.append(ControllerTask(name="hold", axes=held, law=PoseLaw(gain=pose_gain(to_rest_s))))
