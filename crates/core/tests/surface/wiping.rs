@@ -58,7 +58,16 @@ fn a_stiff_rough_surface_that_falls_is_not_lost() {
 
 #[test]
 fn a_tool_is_slow_until_the_normal_is_known() {
-    let seen = World::new(tilted(20.0, 0.3), Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X }).run(BEGIN + 4.0);
+    slides_slowly(Wipe { stroke: Stroke::Abrupt, ..Wipe::ALONG_X });
+}
+
+#[test]
+fn two_tasks_of_a_frame_are_slow_together() {
+    slides_slowly(Wipe { stroke: Stroke::Abrupt, along: [0.6, 0.8], in_two_tasks: true, ..Wipe::ALONG_X });
+}
+
+fn slides_slowly(wipe: Wipe) {
+    let seen = World::new(tilted(20.0, 0.3), wipe).run(BEGIN + 4.0);
     let limit = |seen: &Seen| seen.report.unwrap().most_speed;
     let slides = |seen: &&Seen| seen.time > BEGIN && seen.contact.phase == ContactPhase::Contact;
     let slow: Vec<_> = seen.iter().filter(slides).take_while(|seen| limit(seen).is_some()).collect();

@@ -125,6 +125,8 @@ pub struct Wipe {
     pub frame: Frame,
     /// Force at which the tool leaves, N.
     pub max_force: f64,
+    /// Whether a task moves along x, and another one along y.
+    pub in_two_tasks: bool,
 }
 
 impl Wipe {
@@ -135,6 +137,7 @@ impl Wipe {
         stroke: Stroke::SlowStart,
         frame: Frame::Base,
         max_force: f64::INFINITY,
+        in_two_tasks: false,
     };
 }
 
@@ -166,16 +169,15 @@ pub fn pressing(surface: Option<SurfaceSettings>, max_force: f64) -> ContactLaw 
     }
 }
 
-/// Returns a controller that presses along z, moves along x and y, and holds the orientation.
-pub fn controller(robot: &Arc<RobotModel>, wipe: Wipe) -> Controller {
-    let [x, y] = wipe.along.map(|part| part * SPEED);
-    let at = |way: f64| vec![x * way, y * way, 0.0, 0.0, 0.0];
+/// Returns the motion of some axes, as parts of the stroke, from [`BEGIN`] on.
+fn stroke(stroke: Stroke, parts: &[f64]) -> Profile {
+    let at = |way: f64| parts.iter().map(|part| part * SPEED * way).collect::<Vec<_>>();
     let points = |ways: &[[f64; 2]]| {
         let point = |[time, way]: &[f64; 2]| Point { time_s: *time, value: at(*way) };
         Profile::waypoints(&ways.iter().map(point).collect::<Vec<_>>()).unwrap()
     };
     let b = BEGIN;
-    let displacement = match wipe.stroke {
+    match stroke {
         Stroke::Abrupt => Profile::ramp(at(0.0), at(4.0), b, 4.0).unwrap(),
         Stroke::SlowStart => {
             let begin = [[0.0, 0.0], [b, 0.0], [b + 1.0, 0.1], [b + 1.5, 0.3]];
@@ -187,13 +189,24 @@ pub fn controller(robot: &Arc<RobotModel>, wipe: Wipe) -> Controller {
             let ways = (1..9_u8).map(|i| [b + 1.0 + 0.5 * f64::from(i), [0.0, 0.5, 1.0, 0.5][usize::from(i) % 4]]);
             points(&begin.into_iter().chain(ways).collect::<Vec<_>>())
         }
+    }
+}
+
+/// Returns a controller that presses along z, moves along x and y, and holds the orientation.
+pub fn controller(robot: &Arc<RobotModel>, wipe: Wipe) -> Controller {
+    let [x, y] = wipe.along;
+    let moving = |name: &str, axes: &[Axis], parts: &[f64]| {
+        let hold = Law::Position(PositionLaw::new(vec![5.0; axes.len()]).unwrap());
+        task(name, axes, wipe.frame, hold, Some(stroke(wipe.stroke, parts)))
     };
-    let hold = Law::Position(PositionLaw::new(vec![5.0; 5]).unwrap());
     let press = Law::Contact(pressing(wipe.surface, wipe.max_force));
-    let tasks = vec![
-        task("press", &[Axis::Z], wipe.frame, press, None),
-        task("move", &[Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], wipe.frame, hold, Some(displacement)),
-    ];
+    let mut tasks = vec![task("press", &[Axis::Z], wipe.frame, press, None)];
+    if wipe.in_two_tasks {
+        tasks.push(moving("move", &[Axis::X], &[x]));
+        tasks.push(moving("hold", &[Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], &[y, 0.0, 0.0, 0.0]));
+    } else {
+        tasks.push(moving("move", &[Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz], &[x, y, 0.0, 0.0, 0.0]));
+    }
     Controller::new(ControllerConfig {
         drive: DRIVE,
         method: wipe.method,

@@ -137,13 +137,19 @@ impl Contacts {
         for axis in &self.axes {
             let Some(most) = axis.normal.and_then(|normal| normal.most_speed) else { continue };
             let rows = &config.tasks[axis.task].rows;
-            let follows = |k: usize| k != axis.task && config.tasks[k].rows.has_axes_of(rows);
-            for (k, target) in targets.iter_mut().enumerate().filter(|(k, _)| follows(*k)) {
-                let linear = |row: &usize| config.tasks[k].rows.is_angular(*row, &config.robot) == Some(false);
-                let rows = || (0..target.velocity.len()).filter(linear);
-                let speed = rows().map(|row| target.velocity[row].powi(2)).sum::<f64>().sqrt();
-                if speed > most {
-                    rows().for_each(|row| target.velocity[row] *= most / speed);
+            let follows = |k: &usize| *k != axis.task && config.tasks[*k].rows.has_axes_of(rows);
+            let linear = |k: usize, rows: usize| {
+                (0..rows).filter(move |row| config.tasks[k].rows.is_angular(*row, &config.robot) == Some(false))
+            };
+            let square = |k: usize| {
+                linear(k, targets[k].velocity.len()).map(|row| targets[k].velocity[row].powi(2)).sum::<f64>()
+            };
+            // Two tasks of one frame move the tool together.
+            let share = most / (0..targets.len()).filter(&follows).map(square).sum::<f64>().sqrt();
+            if share < 1.0 {
+                for k in (0..targets.len()).filter(&follows) {
+                    let velocity = &mut targets[k].velocity;
+                    linear(k, velocity.len()).for_each(|row| velocity[row] *= share);
                 }
             }
         }
