@@ -21,6 +21,10 @@ const SIGMAS: f64 = 3.0;
 /// Share of the tool's velocity that an error of K_m may make look like one of the surface.
 const OWN_SHARE: f64 = 0.25;
 
+/// Multiple of the tool's velocity, in the other direction, that a contact makes look like one of the surface which has become 10 times as
+/// stiff: K/K_m − 1, and a margin.
+const STIFFER: f64 = 12.0;
+
 /// Periods after which a change is believed.
 const BELIEVED: f64 = 2.0;
 
@@ -146,7 +150,9 @@ impl SurfaceMotion {
         self.slow = beyond(seen[0], long.max(rest));
         let band = short + OWN_SHARE * (own - self.velocity).abs() + rest;
         let is_trusted = swing.factor < TRUSTED.0 && self.stiffness.upper <= TRUSTED.1 * slope;
-        let change = if is_trusted { beyond(seen[1] - self.slow, band) } else { 0.0 };
+        let change = seen[1] - self.slow;
+        let is_believable = is_trusted && !is_of_a_stiffer_one(change, own - self.slow);
+        let change = if is_believable { beyond(change, band) } else { 0.0 };
         self.lasts = if change == 0.0 { 0.0 } else { self.lasts + timing.period };
         let is_believed = self.is_changing(timing) && (change < 0.0 || force > self.vanished(terms, target));
         let change = if is_believed { change } else { 0.0 };
@@ -181,6 +187,12 @@ fn refutes(settings: &ContactSettings, [force, target]: [f64; 2], [way, change]:
     let error = force - target;
     let is_off = error.abs() > OFF * target && error * change > 0.0;
     is_off && change.abs() > SIGMAS * settings.noise && way * change < 0.0
+}
+
+/// Returns whether a velocity may come from the tool's own one (m/s) in a contact that has become stiffer: a surface that moves takes the tool
+/// with it, and this one seems to move against the tool.
+fn is_of_a_stiffer_one(velocity: f64, own: f64) -> bool {
+    velocity * own < 0.0 && velocity.abs() < STIFFER * own.abs()
 }
 
 /// Returns the rms noise of a velocity over a time constant, m/s, at the stiffness K_m.
@@ -254,6 +266,17 @@ mod tests {
         let stiffness = StiffnessEstimate { upper: 2.4 * STIFFNESS, slope: 1.2 * STIFFNESS, ..held().stiffness };
         let motion = moved(SurfaceMotion { stiffness, slope: 1.2 * STIFFNESS, ..held() }, [0.0, 0.01], 18);
         assert!(motion.velocity.abs() < 1e-3, "{motion:?}");
+    }
+
+    #[test]
+    fn a_contact_that_has_become_stiffer_is_no_surface_that_moves() {
+        let slope = 0.1 * STIFFNESS;
+        for own in [0.01, -0.01] {
+            let stiffness = StiffnessEstimate { upper: 2.0 * slope, slope, ..held().stiffness };
+            let means = [held().tool[1] - TARGET / slope; 2];
+            let motion = moved(SurfaceMotion { stiffness, slope, means, ..held() }, [0.0, own], 4);
+            assert!((motion.velocity - motion.slow).abs() < 1e-9, "{own}: {motion:?}");
+        }
     }
 
     #[test]
