@@ -1,4 +1,4 @@
-//! Prints how the contact law follows walls that leave and return.
+//! Prints how the contact law follows walls that leave and return, and that swing.
 //!
 //! `cargo run --release -p revprio-core --example contact_moving`
 
@@ -10,7 +10,7 @@ mod laws;
 mod plant;
 
 use laws::Pressing;
-use plant::{Conditions, Event, run};
+use plant::{Conditions, Event, SWINGS, run};
 
 fn main() {
     println!(
@@ -38,6 +38,36 @@ fn main() {
                 100.0 * speed,
                 mean(&away),
                 mean(&back),
+                found.losses,
+                found.settled
+            );
+        }
+    }
+    swings();
+}
+
+/// Prints how it follows walls that swing.
+fn swings() {
+    println!("\n| K, N/m | Hz | amplitude, mm | mean, least, most N | losses | settled |\n|---|---|---|---|---|---|");
+    for stiffness in [1e3, 1e4, 3e4, 1e5] {
+        for (frequency, amplitude) in
+            [(0.2, 0.001), (0.2, 0.005), (0.5, 0.002), (1.0, 0.001), (1.0, 0.003), (2.0, 0.002)]
+        {
+            let terms = Conditions { hold: 3.0, ..Conditions::new(stiffness, 0.03, (0.005, 1, 0.002)) };
+            let start = 1.2 + 1.5 * terms.travel();
+            let terms = Conditions { event: Event::Swing(start, amplitude, frequency), ..terms };
+            let mut forces = Vec::new();
+            let found = run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+                if (1.0..SWINGS).contains(&(time - start)) {
+                    forces.push(force);
+                }
+            });
+            let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+            let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = forces.iter().copied().fold(0.0, f64::max);
+            println!(
+                "| {stiffness:.0e} | {frequency} | {} | {mean:.1}, {least:.1}, {most:.1} | {} | {} |",
+                1e3 * amplitude,
                 found.losses,
                 found.settled
             );

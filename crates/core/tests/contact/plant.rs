@@ -36,11 +36,16 @@ pub enum Event {
     Leave(f64, f64),
     /// At a time, s, the wall moves away at a speed, m/s, for another time, s, and then returns at the same speed.
     LeaveAndReturn(f64, f64, f64),
+    /// From a time, s, on for [`SWINGS`], the wall swings away and back by twice an amplitude, m, at a frequency, Hz.
+    Swing(f64, f64, f64),
     /// At a time, s, the wall is a distance, m, farther, and has another stiffness, N/m.
     Hole(f64, f64, f64),
     /// From a time, s, on for another time, s, the wall leaves, pushes, moves and changes its stiffness at random.
     Random(f64, f64),
 }
+
+/// How long a wall swings, s: whole periods of 0.2 Hz and more.
+pub const SWINGS: f64 = 10.0;
 
 /// The conditions of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +135,7 @@ impl Conditions {
             Event::Slope(t, _) | Event::Push(t, _) => (t, 0.0),
             Event::Leave(t, way) | Event::Hole(t, way, _) => (t, way / self.speed + 2.0 * self.travel()),
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
+            Event::Swing(t, ..) => (t, SWINGS),
             Event::Random(t, time) => (t, time),
         };
         let way = if self.at_rest { AWAY / self.speed } else { 0.02 };
@@ -205,6 +211,10 @@ impl Plant<'_> {
             Event::LeaveAndReturn(t, speed, lasts) => {
                 let passed = since(t);
                 speed * if passed < lasts { passed } else { (2.0 * lasts - passed).max(0.0) }
+            }
+            Event::Swing(t, amplitude, frequency) => {
+                let angle = std::f64::consts::TAU * frequency * since(t).min(SWINGS);
+                amplitude * (1.0 - angle.cos())
             }
         }
     }
@@ -332,6 +342,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         | Event::Leave(t, _)
         | Event::Hole(t, ..)
         | Event::LeaveAndReturn(t, ..)
+        | Event::Swing(t, ..)
         | Event::Random(t, _) => t,
     };
     let mut noise = Noise::new(terms.seed);
