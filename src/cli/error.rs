@@ -33,11 +33,11 @@ pub enum CliError {
     /// A preset gives no tasks.
     #[error(transparent)]
     Preset(#[from] revprio_api::presets::PresetError),
-    /// The service refuses a controller that presses.
+    /// The service refuses what an option says.
     #[error("{option}: {detail}")]
-    Press {
+    Option {
         /// The option that is wrong.
-        option: &'static str,
+        option: String,
         /// What is wrong with it.
         detail: String,
     },

@@ -6,6 +6,7 @@ mod config;
 mod demo;
 mod error;
 mod experiment;
+mod finite;
 mod known;
 mod one_of;
 mod openapi;

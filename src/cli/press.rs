@@ -108,7 +108,7 @@ fn named(error: ClientError) -> CliError {
     let ClientError::Refused { problem, .. } = &error else { return error.into() };
     let place = problem.pointer.as_deref().unwrap_or_default();
     match OPTIONS.iter().find(|(begin, _)| place.starts_with(begin)) {
-        Some((_, option)) => CliError::Press { option, detail: problem.detail.clone() },
+        Some((_, option)) => CliError::Option { option: (*option).to_owned(), detail: problem.detail.clone() },
         None => error.into(),
     }
 }

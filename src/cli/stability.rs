@@ -1,8 +1,10 @@
 //! `revprio stability`
 
+use revprio_api::ClientError;
 use revprio_api::wire::{EnvironmentAxis, StabilityAnswer, StabilityRequest};
 
 use super::error::CliError;
+use super::finite::finite;
 use super::output::print_text;
 use super::service_choice::server_address;
 use super::target::Target;
@@ -12,28 +14,28 @@ use super::target::Target;
 #[command(allow_negative_numbers = true)]
 pub struct Options {
     /// Inertia `M_d` of the law, kg or kg·m²
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     inertia: f64,
     /// Damping `B_d` of the law, N·s/m or N·m·s/rad
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     damping: f64,
     /// Stiffness `K_d` of the law, N/m or N·m/rad; 0 for a force law
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = finite)]
     stiffness: f64,
     /// Stiffness `K_e` of the environment, N/m or N·m/rad
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     environment_stiffness: f64,
     /// Damping `B_e` of the environment, N·s/m or N·m·s/rad
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = finite)]
     environment_damping: f64,
     /// Inertia `M_e` of the environment, kg or kg·m²
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = finite)]
     environment_inertia: f64,
     /// Control period, s
-    #[arg(long, default_value_t = 0.001)]
+    #[arg(long, default_value_t = 0.001, value_parser = finite)]
     period_s: f64,
     /// First-order lag of the arm's velocity loop, s
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = finite)]
     lag_s: f64,
     /// Delay of a command, whole periods
     #[arg(long, default_value_t = 0)]
@@ -61,8 +63,17 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         delay_periods: options.delay_periods,
         velocity_measured: !options.velocity_not_measured,
     };
-    let answer = Target::open(options.server.as_deref())?.client.stability(&request)?;
+    let answer = Target::open(options.server.as_deref())?.client.stability(&request).map_err(named)?;
     Ok(print_text(describe(&answer))?)
+}
+
+/// Names the option that a refused field comes from: both have the same words.
+fn named(error: ClientError) -> CliError {
+    let ClientError::Refused { problem, .. } = &error else { return error.into() };
+    let Some(field) = problem.pointer.as_deref().and_then(|pointer| pointer.strip_prefix('/')) else {
+        return error.into();
+    };
+    CliError::Option { option: format!("--{}", field.replace(['/', '_'], "-")), detail: problem.detail.clone() }
 }
 
 fn describe(answer: &StabilityAnswer) -> String {

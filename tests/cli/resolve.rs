@@ -37,6 +37,19 @@ fn stability_prints_the_margins() {
 }
 
 #[test]
+fn stability_names_the_option_that_is_wrong() {
+    let contact = ["stability", "--damping", "150", "--environment-stiffness", "1e5"];
+    for (option, value) in
+        [("--inertia", "0"), ("--inertia", "nan"), ("--lag-s", "inf"), ("--environment-inertia", "-1")]
+    {
+        let inertia = if option == "--inertia" { &[][..] } else { &["--inertia", "15"] };
+        let output = program(&[&contact[..], inertia, &[option, value]].concat()).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains(option) && !text.contains("http://") && !text.contains("null"), "{text}");
+    }
+}
+
+#[test]
 fn answer_is_printed_as_text_and_as_json() {
     let table = success(&["resolve", EXAMPLE]);
     for part in

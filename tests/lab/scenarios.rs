@@ -252,8 +252,8 @@ fn wiping_keeps_the_normal_force_after_5_mm_because_it_follows_the_plane() {
     assert_eq!(lost(&run), 0);
 
     let run = served(&fixed);
-    let peak = largest(&run.samples, pressed);
-    assert!(peak > 100.0 && lost(&run) > 0, "{peak}");
+    let off = largest(&run.samples[2000..], error);
+    assert!(off > 8.0, "{off}");
 }
 
 /// The middle of the cylinder is 0.153 m from the start. The tool goes over its crest, which is x = 51 mm.
