@@ -23,6 +23,7 @@ suite("presets", () => {
     assert.deepEqual(push("x", 5, { hold: ["y"] })[1]?.axes, ["y"]);
     assert.throws(() => push("x", 0), RangeError);
     assert.throws(() => push("x", Number.NaN), RangeError);
+    assert.throws(() => push("z", -15, { hold: ["z"] }), RangeError);
   });
 
   test("a wipe presses, moves from the start and back, and holds the others", async (t) => {
@@ -38,7 +39,6 @@ suite("presets", () => {
     for (const hold of [["y"], ["z"], ["x", "x"]] as Axis[][]) {
       assert.throws(() => wipe("z", -15, "y", { hold }), RangeError);
     }
-    assert.throws(() => push("z", -15, { hold: ["z"] }), RangeError);
     assert.throws(() => wipe("z", -15, "y", { speed: 0 }), RangeError);
     assert.throws(() => wipe("z", -15, "y", { maxTiltRad: 0 }), RangeError);
     const [push] = wipe("z", -15, "y", { maxTiltRad: 0.6 });
