@@ -274,7 +274,7 @@ mod tests {
         for own in [0.01, -0.01] {
             let stiffness = StiffnessEstimate { upper: 2.0 * slope, slope, ..held().stiffness };
             let means = [held().tool[1] - TARGET / slope; 2];
-            let motion = moved(SurfaceMotion { stiffness, slope, means, ..held() }, [0.0, own], 4);
+            let motion = moved(SurfaceMotion { stiffness, means, slope, ..held() }, [0.0, own], 4);
             assert!((motion.velocity - motion.slow).abs() < 1e-9, "{own}: {motion:?}");
         }
     }
