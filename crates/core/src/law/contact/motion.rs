@@ -151,7 +151,7 @@ impl SurfaceMotion {
         let band = short + OWN_SHARE * (own - self.velocity).abs() + rest;
         let is_trusted = swing.factor < TRUSTED.0 && self.stiffness.upper <= TRUSTED.1 * slope;
         let change = seen[1] - self.slow;
-        let is_believable = is_trusted && !is_of_a_stiffer_one(change, own - self.slow);
+        let is_believable = is_trusted && !looks_like_a_stiffer_contact(change, own - self.slow);
         let change = if is_believable { beyond(change, band) } else { 0.0 };
         self.lasts = if change == 0.0 { 0.0 } else { self.lasts + timing.period };
         let is_believed = self.is_changing(timing) && (change < 0.0 || force > self.vanished(terms, target));
@@ -191,7 +191,7 @@ fn refutes(settings: &ContactSettings, [force, target]: [f64; 2], [way, change]:
 
 /// Returns whether a velocity may come from the tool's own one (m/s) in a contact that has become stiffer: a surface that moves takes the tool
 /// with it, and this one seems to move against the tool.
-fn is_of_a_stiffer_one(velocity: f64, own: f64) -> bool {
+fn looks_like_a_stiffer_contact(velocity: f64, own: f64) -> bool {
     velocity * own < 0.0 && velocity.abs() < STIFFER * own.abs()
 }
 
