@@ -22,14 +22,95 @@ CHECKS = {  # name: (what is compared, tolerance)
     "velocity": ("`joint_velocity` is the sum of the solutions, moved into the box, and inside the limits", 1e-12),
     "achieved": ("`achieved` and `residual_norm` belong to `joint_velocity`", 1e-12),
     "active": ("active limits and rows are reached and have their multipliers; none is left out", TOLERANCE)}
+NUMBER, WHOLE, TEXT, NULL, LIST, OBJECT = "a finite number", "a whole number", "a text", "null", "a list", "an object"
+KINDS = {NUMBER: (int, float), WHOLE: int, TEXT: str, NULL: type(None), LIST: list, OBJECT: dict}
+SIDES, STATUS, NAME = ("lower", "upper"), {"optimal", "not_certified", "failed"}, (NULL, TEXT)
+ENDS = {side + "?": (NULL, [(NULL, NUMBER)]) for side in SIDES}
+REQUEST = {  # {}: an object with these fields, `name?` may be missing; []: a list; (): one of these; set: one of these words
+    "robot?": NAME, "method?": NAME, "solver?": NAME, "damping?": (NULL, OBJECT), "null_space_velocity?": (NULL, OBJECT, [NUMBER]),
+    "limits?": (NULL, TEXT, {"lower": [NUMBER], "upper": [NUMBER]}),
+    "tasks": [{"name?": NAME, "jacobian?": (NULL, [[NUMBER]]), "velocity?": (NULL, [NUMBER]), **ENDS}],
+    "inequalities?": [{"name?": NAME, "coefficients?": [NUMBER], "upper?": NUMBER}]}
+ANSWER = {
+    "joint_velocity": [NUMBER], "solver": {"status": STATUS, "kkt_residual": (NULL, NUMBER)},
+    "tasks": [{"name?": TEXT, "requested?": [NUMBER], "achieved": [NUMBER], "residual_norm": NUMBER,
+               "active_rows?": [{"row": WHOLE, "side": {*SIDES}, "multiplier": NUMBER}]}],
+    "active_limits": [{"joint": TEXT, "side": {*SIDES}, "value?": NUMBER, "multiplier": NUMBER}],
+    "active_inequalities?": [{"name": TEXT, "bound?": NUMBER, "multiplier": NUMBER}],
+    "certificate?": (NULL, {"answer": [{"problem": WHOLE, "weight": NUMBER}], "problems": [{
+        "solution": [NUMBER], "reference": [NUMBER], **ENDS,
+        "levels": [{"rows": [[NUMBER]], **ENDS, "names": [{"task?": TEXT, "row?": WHOLE, "inequality?": TEXT}]}],
+        "multipliers": [(NULL, {"rows": [NUMBER], "unknowns": [NUMBER]})]}]})}
 Row = namedtuple("Row", "key a ends level is_kept", defaults=(None, False))  # key: (task, row), an inequality or None
 
-def read(text):
+def read(text, place):
     """Reads JSON. Refuses NaN, and names that stand twice in an object, because readers differ in which value counts."""
     def refuse(what):
         raise ValueError(f"{what}: not a finite number, or not each name once")
     once = lambda pairs: dict(pairs) if len(dict(pairs)) == len(pairs) else refuse([name for name, _ in pairs])
-    return json.loads(text, object_pairs_hook=once, parse_constant=refuse)
+    try:
+        return json.loads(text, object_pairs_hook=once, parse_constant=refuse)
+    except ValueError as error:
+        raise ValueError(f"the {place} is not valid JSON: {error}") from None
+
+def misfit(value, form, place):
+    """Returns what is wrong with the form of a field, or an empty text."""
+    if isinstance(form, tuple):
+        wrong = [misfit(value, each, place) for each in form]
+        return wrong[-1] if all(wrong) else ""
+    kind = {list: LIST, dict: OBJECT, set: TEXT}.get(type(form), form)
+    is_right = isinstance(value, KINDS[kind]) and not isinstance(value, bool)
+    is_right = is_right and (kind != NUMBER or abs(value) <= sys.float_info.max)
+    if not is_right or isinstance(form, set) and value not in form:
+        wanted = " or ".join(sorted(form)) if isinstance(form, set) else kind
+        return f"`{place}` must be {wanted}, not {json.dumps(value)[:40]}"
+    parts = [(entry, form[0], f"{place}[{i}]") for i, entry in enumerate(value)] if kind == LIST else []
+    for name, part in form.items() if isinstance(form, dict) else ():
+        if (key := name.rstrip("?")) in value:
+            parts.append((value[key], part, f"{place}.{key}"))
+        elif key == name:
+            return f"`{place}.{key}` is missing"
+    return next(filter(None, (misfit(*part) for part in parts)), "")
+
+def lengths(request, answer):
+    """Yields lists that must have the same length: place and list of both."""
+    yield "answer.tasks", answer["tasks"], "request.tasks", request["tasks"]
+    for k, (task, found) in enumerate(zip(request["tasks"], answer["tasks"])):
+        names = [name for name in ("velocity", *SIDES) if task.get(name)] or ["velocity"]
+        names += ["jacobian"] if task.get("jacobian") else []
+        achieved = f"answer.tasks[{k}].achieved", found["achieved"]
+        yield from ((f"request.tasks[{k}].{name}", task.get(name) or [], *achieved) for name in names)
+    if isinstance(request.get("limits"), dict):
+        joints = "answer.joint_velocity", answer["joint_velocity"]
+        yield from ((f"request.limits.{side}", request["limits"][side], *joints) for side in SIDES)
+    for k, problem in enumerate((answer.get("certificate") or {}).get("problems", [])):
+        here = f"answer.certificate.problems[{k}]"
+        unknowns = f"{here}.solution", problem["solution"]
+        yield from ((f"{here}.{name}", problem[name], *unknowns) for name in ("reference", *SIDES)
+                    if problem.get(name) or name == "reference")
+        yield f"{here}.multipliers", problem["multipliers"], f"{here}.levels and the last objective", [*problem["levels"], None]
+        for i, level in enumerate(problem["levels"]):
+            rows = f"{here}.levels[{i}].rows", level["rows"]
+            yield from ((f"{here}.levels[{i}].{name}", level[name], *rows) for name in ("names", *SIDES)
+                        if level.get(name) or name == "names")
+            yield from ((f"{rows[0]}[{j}]", row, *unknowns) for j, row in enumerate(level["rows"]))
+        count = 0
+        for i, (pair, level) in enumerate(zip(problem["multipliers"], [*problem["levels"], {"rows": []}])):
+            count += len(level["rows"])
+            if pair:
+                yield f"{here}.multipliers[{i}].rows", pair["rows"], "the rows of this level and all higher ones", [None] * count
+                yield f"{here}.multipliers[{i}].unknowns", pair["unknowns"], *unknowns
+
+def check_form(request, answer):
+    """Refuses a request or an answer with a field of another form."""
+    wrong = misfit(request, REQUEST, "request") or misfit(answer, ANSWER, "answer")
+    if wrong := wrong or next((f"`{one}` has {len(a)} entries, and `{other}` has {len(b)}"
+                               for one, a, other, b in lengths(request, answer) if len(a) != len(b)), ""):
+        raise ValueError(wrong)
+    certificate = answer.get("certificate") or {"answer": [], "problems": []}
+    for i, part in enumerate(certificate["answer"]):
+        if not 0 <= part["problem"] < len(certificate["problems"]):
+            raise ValueError(f"`answer.certificate.answer[{i}].problem` is {part['problem']}, which is the index of no problem")
 
 def numbers(values, none=None):
     """Returns finite numbers as fractions, with `none` in the place of null. Texts are no numbers: adding 0 fails."""
@@ -59,7 +140,7 @@ class Problem:
     """A problem of a certificate. Checks the optimality of each level given those above it."""
     def __init__(self, raw, note, fine):
         self.x, self.reference, self.box = numbers(raw["solution"]), numbers(raw["reference"]), bounds_of(raw)
-        key = lambda name: (name["task"], name["row"]) if "task" in name else name.get("inequality")
+        key = lambda name: (name["task"], name.get("row")) if "task" in name else name.get("inequality")
         self.rows = [Row(key(name), numbers(a), ends, k) for k, level in enumerate(raw["levels"])
                      for a, ends, name in zip(level["rows"], bounds_of(level), level["names"], strict=True)]
         self.bounds, n = self.box + [row.ends for row in self.rows], len(self.x)
@@ -126,7 +207,7 @@ class Check:
 
     def planned(self):
         """Returns the rows of the method's problems, with None for what the request does not state."""
-        rows_of = lambda name, task: [Row((name, i), "jacobian" in task and numbers(task["jacobian"][i]), ends)
+        rows_of = lambda name, task: [Row((name, i), task.get("jacobian") and numbers(task["jacobian"][i]), ends)
                                       for i, ends in enumerate(bounds_of(task))]
         is_solved = lambda rows: not self.is_closed or all(row.ends[0] == row.ends[1] for row in rows)
         tasks, hard = list(filter(is_solved, map(rows_of, self.tasks, self.tasks.values()))), []
@@ -224,10 +305,22 @@ class Check:
 def examine(texts):
     """Checks a request and its answer, or one text with both. Returns why it cannot be read, errors and failed checks."""
     try:
-        largest = Check(*map(read, texts)).largest if len(texts) == 2 else Check(**read(texts[0])).largest
+        parts = list(map(read, texts, ("request", "answer") if len(texts) == 2 else ("line",)))
+        if len(parts) == 1:
+            if wrong := misfit(parts[0], {"request": OBJECT, "answer": OBJECT}, "line"):
+                raise ValueError(wrong)
+            parts = [parts[0]["request"], parts[0]["answer"]]
+        check_form(*parts)
+        largest = Check(*parts).largest
         return "", largest, [check for check, error in largest.items() if not error <= CHECKS[check][1]]
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        return f"cannot be read: {type(error).__name__}: {error}", {}, []
+    except KeyError as error:
+        return f"cannot be read: the answer names {error.args[0]!r}, which is neither in the request nor in the certificate", {}, []
+    except ArithmeticError:
+        return "cannot be read: a number is too large", {}, []
+    except RecursionError:
+        return "cannot be read: the text has too many levels of lists and objects", {}, []
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        return f"cannot be read: {error}", {}, []
 
 def main(paths):
     """Runs the program; returns its exit status."""

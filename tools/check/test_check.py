@@ -187,6 +187,63 @@ class Attacks(unittest.TestCase):
                 text = json.dumps(answer).replace(number, number.split(":")[0] + ": " + value)
                 self.assertEqual(printed(json.dumps(request), text)[0], 2, (number, value))
 
+    def test_what_is_wrong_with_a_field_is_told_in_one_line(self):
+        def changed(root, *place, value):
+            parts = dict(zip(("request", "answer"), json.loads(json.dumps(solved()))))
+            *outer, last = place
+            at = parts[root]
+            for name in outer:
+                at = at[name]
+            if value is MISSING:
+                del at[last]
+            else:
+                at[last] = value
+            return printed(*map(json.dumps, parts.values()))
+        first = ("certificate", "problems", 0)
+        for place, value, text in (
+                (("request", "tasks"), MISSING, "`request.tasks` is missing"),
+                (("request", "tasks"), None, "`request.tasks` must be a list, not null"),
+                (("request", "tasks", 0), 7, "`request.tasks[0]` must be an object, not 7"),
+                (("request", "tasks", 0, "velocity", 0), "2", '`request.tasks[0].velocity[0]` must be a finite number, not "2"'),
+                (("request", "tasks", 0, "velocity"), [],
+                 "`request.tasks[0].velocity` has 0 entries, and `answer.tasks[0].achieved` has 1"),
+                (("request", "limits", "lower"), [1], "`request.limits.lower` has 1 entries, and `answer.joint_velocity` has 2"),
+                (("answer", "solver"), MISSING, "`answer.solver` is missing"),
+                (("answer", "solver", "status"), "fine",
+                 '`answer.solver.status` must be failed or not_certified or optimal, not "fine"'),
+                (("answer", "joint_velocity", 0), True, "`answer.joint_velocity[0]` must be a finite number, not true"),
+                (("answer", "joint_velocity", 0), 10**400, "`answer.joint_velocity[0]` must be a finite number, not 1000"),
+                (("answer", "tasks"), [], "`answer.tasks` has 0 entries, and `request.tasks` has 1"),
+                (("answer", "active_limits", 0, "side"), "left", '`answer.active_limits[0].side` must be lower or upper, not "left"'),
+                (("answer", "certificate", "answer", 0, "problem"), 5,
+                 "`answer.certificate.answer[0].problem` is 5, which is the index of no problem"),
+                (("answer", *first, "levels", 0, "rows", 0), [1],
+                 "levels[0].rows[0]` has 1 entries, and `answer.certificate.problems[0].solution` has 2"),
+                (("answer", *first, "levels", 0, "names"), [], "levels[0].names` has 0 entries"),
+                (("answer", *first, "multipliers"), [None], "multipliers` has 1 entries"),
+                (("answer", *first, "reference"), {}, "reference` must be a list, not {}")):
+            status, words = changed(*place, value=value)
+            self.assertEqual(status, 2, words)
+            self.assertTrue(words.startswith("answer 1: cannot be read: `"), words)
+            self.assertIn(text, words.splitlines()[0])
+
+    def test_an_unreadable_text_is_named(self):
+        request, answer = map(json.dumps, solved())
+        for texts, place in (((request, "{"), "answer"), (("[", answer), "request"), (("{",), "line")):
+            status, words = printed(*texts)
+            self.assertEqual(status, 2)
+            self.assertTrue(words.startswith(f"answer 1: cannot be read: the {place} is not valid JSON: "), words)
+        self.assertIn("`line.answer` is missing", printed('{"request": {}}')[1])
+        self.assertIn("too many levels", printed("[" * 100000, answer)[1])
+
+    def test_a_field_that_does_not_matter_may_have_any_form(self):
+        request, answer = solved()
+        request["tasks"][0].update(name=None, lower=None, upper=None)
+        answer["tasks"][0]["name"] = "task 1"
+        for level in answer["certificate"]["problems"][0]["levels"]:
+            level["names"] = [name | {"task": "task 1"} for name in level["names"]]
+        self.assertEqual(verdict(request | {"why": [], "robot": None, "damping": None}, answer | {"why": 3}), [])
+
     def test_names_sides_and_entries_count(self):
         request, answer = solved()
         limit, task = answer["active_limits"][0], answer["tasks"][0]
@@ -213,6 +270,7 @@ class Attacks(unittest.TestCase):
             self.assertNotIn("holds", words)
 
 
+MISSING = object()
 COUNT = int(sys.argv.pop()) if sys.argv[-1].isdigit() else 120
 
 if __name__ == "__main__":
