@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use revprio_api::Client;
 use revprio_api::wire::{Contradiction, ContradictionMember, ResolveAnswer, ResolveRequest, Status, TaskOutcome};
+use revprio_lab::number::{plain, significant};
 
 use super::error::CliError;
 use super::output::print_text;
@@ -57,8 +58,8 @@ fn joint_names(client: &Client, request: &ResolveRequest, joints: usize) -> Resu
 /// Returns remarks on a task.
 fn remarks(task: &TaskOutcome) -> String {
     let dependent = if task.algorithmic { ", depends on lower tasks" } else { "" };
-    let scale = task.scale.map(|scale| format!(", scaled by {scale:.6}")).unwrap_or_default();
-    format!("{dependent}, residual {:.3e}{scale}", task.residual_norm)
+    let scale = task.scale.map(|scale| format!(", scaled by {}", plain(scale))).unwrap_or_default();
+    format!("{dependent}, residual {}{scale}", significant(task.residual_norm, 4))
 }
 
 /// Describes demands that contradict each other.
@@ -94,8 +95,10 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         for active in &task.active_rows {
             let _ = writeln!(
                 text,
-                "  row {} at its {} bound, multiplier {:.3e}",
-                active.row, active.side, active.multiplier
+                "  row {} at its {} bound, multiplier {}",
+                active.row,
+                active.side,
+                significant(active.multiplier, 4)
             );
         }
     }
@@ -103,21 +106,21 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "\nactive limits");
     }
     for limit in &answer.active_limits {
-        let _ =
-            writeln!(text, "  {} {} {:.6}, multiplier {:.3e}", limit.joint, limit.side, limit.value, limit.multiplier);
+        let (value, multiplier) = (plain(limit.value), significant(limit.multiplier, 4));
+        let _ = writeln!(text, "  {} {} {value}, multiplier {multiplier}", limit.joint, limit.side);
     }
     for inequality in &answer.active_inequalities {
-        let _ =
-            writeln!(text, "  `{}` {:.6}, multiplier {:.3e}", inequality.name, inequality.bound, inequality.multiplier);
+        let (bound, multiplier) = (plain(inequality.bound), significant(inequality.multiplier, 4));
+        let _ = writeln!(text, "  `{}` {bound}, multiplier {multiplier}", inequality.name);
     }
     if !(answer.violated_limits.is_empty() && answer.violated_inequalities.is_empty()) {
         let _ = writeln!(text, "\nexceeded limits");
     }
     for limit in &answer.violated_limits {
-        let _ = writeln!(text, "  {} {} {:.6}: {:.6}", limit.joint, limit.side, limit.limit, limit.value);
+        let _ = writeln!(text, "  {} {} {}: {}", limit.joint, limit.side, plain(limit.limit), plain(limit.value));
     }
     for inequality in &answer.violated_inequalities {
-        let _ = writeln!(text, "  `{}` {:.6}: {:.6}", inequality.name, inequality.bound, inequality.value);
+        let _ = writeln!(text, "  `{}` {}: {}", inequality.name, plain(inequality.bound), plain(inequality.value));
     }
     for contradiction in &answer.contradictions {
         let _ = writeln!(text, "\n{}", describe_contradiction(contradiction));
@@ -135,7 +138,7 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
         let _ = writeln!(text, "\nwarning: {warning}");
     }
     let solver = &answer.solver;
-    let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| format!("{residual:.1e}"));
+    let residual = solver.kkt_residual.map_or_else(|| "none".to_owned(), |residual| significant(residual, 2));
     let is_optimal = solver.status == Status::Optimal;
     let uncertain = if solver.rank_uncertain { ", rank uncertain" } else { "" };
     let _ = writeln!(
@@ -147,14 +150,17 @@ fn describe(answer: &ResolveAnswer, joints: &[String]) -> String {
     let singularity = &answer.singularity;
     let _ = writeln!(
         text,
-        "smallest singular value {:.6}, manipulability {:.6}, algorithmic singularity: {}",
-        singularity.smallest_singular_value,
-        singularity.manipulability,
+        "smallest singular value {}, manipulability {}, algorithmic singularity: {}",
+        plain(singularity.smallest_singular_value),
+        plain(singularity.manipulability),
         if singularity.algorithmic { "yes" } else { "no" }
     );
     if let Some(index) = answer.joint_limit_index {
-        let _ =
-            writeln!(text, "joint-limit index H {index:.6}: 0 with all joints in the middle, 0.5 with all at an end");
+        let _ = writeln!(
+            text,
+            "joint-limit index H {}: 0 with all joints in the middle, 0.5 with all at an end",
+            plain(index)
+        );
     }
     text
 }

@@ -1,5 +1,7 @@
 //! Numbers as text.
 
+use std::fmt;
+
 /// Formats `value` with the given number of significant digits: between 10⁻³ and 10⁵ without an exponent, outside with
 /// one; `∞` if infinite.
 #[must_use]
@@ -26,11 +28,31 @@ pub fn exponent(value: f64, fraction: usize) -> i32 {
     text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0)
 }
 
-/// Formats `value` with at most six significant digits, without trailing zeros. The minus sign is U+2212.
+/// A number with all its digits: between 10⁻⁴ and 10⁶ without an exponent, outside with one.
+#[derive(Debug, Clone, Copy)]
+pub struct Exact(pub f64);
+
+impl fmt::Display for Exact {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self(value) = self;
+        match value.abs() {
+            0.0 => write!(f, "0"),
+            size if (1e-4..1e6).contains(&size) || !size.is_finite() => write!(f, "{value}"),
+            _ => write!(f, "{value:e}"),
+        }
+    }
+}
+
+/// Formats `value` like [`Exact`], with at most six significant digits.
+#[must_use]
+pub fn plain(value: f64) -> String {
+    Exact(format!("{value:.5e}").parse().unwrap_or(value)).to_string()
+}
+
+/// Formats `value` like [`plain`]. The minus sign is U+2212.
 #[must_use]
 pub fn trimmed(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    format!("{rounded}").replace('-', "−")
+    plain(value).replace('-', "−")
 }
 
 fn decimals(digits: usize, exponent: i32) -> usize {
@@ -59,5 +81,26 @@ mod tests {
         for (value, expected) in cases {
             assert_eq!(significant(value, 3), expected);
         }
+    }
+
+    #[test]
+    fn numbers_of_any_size_are_short() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (29_950.0, "29950"),
+            (300_997.668_3, "300998"),
+            (-0.000_1, "-0.0001"),
+            (0.000_099, "9.9e-5"),
+            (999_999.7, "1e6"),
+            (1e-200, "1e-200"),
+            (-1.5e300, "-1.5e300"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(plain(value), expected);
+        }
+        assert_eq!(trimmed(-0.5), "−0.5");
+        assert_eq!(Exact(999_999.7).to_string(), "999999.7");
     }
 }

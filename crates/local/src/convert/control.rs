@@ -2,6 +2,7 @@
 
 use revprio_api::wire;
 use revprio_core::controller::Controller;
+use revprio_lab::number::Exact;
 
 use super::checks::{Result, check};
 use super::numbers::{between, check_numbers};
@@ -18,7 +19,7 @@ pub const MAX_STEPS: usize = 100_000;
 
 /// Checks a speed.
 fn check_speed(speed: f64, pointer: &str) -> Result<()> {
-    let detail = format_args!("{speed} is out of range; give a speed from {MIN_SPEED} to {MAX_SPEED}");
+    let detail = format_args!("{} is out of range; give a speed from {MIN_SPEED} to {MAX_SPEED}", Exact(speed));
     between(speed, MIN_SPEED..=MAX_SPEED, pointer, detail).map(drop)
 }
 

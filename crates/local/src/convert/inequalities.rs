@@ -2,6 +2,7 @@
 
 use revprio_api::wire;
 use revprio_core::constraint::{APPROACH_RATE, Constraint, Inequality, MAX_CONSTRAINT_ROWS, PlanePoint, VirtualPlane};
+use revprio_lab::number::Exact;
 use revprio_robot::RobotModel;
 
 use super::checks::{Missing, Refused, Result, check, each};
@@ -73,7 +74,7 @@ impl InequalityReader<'_> {
     fn rate(&self, rate: Option<f64>, pointer: &str) -> Result<f64> {
         let max = self.period_s.map_or(f64::INFINITY, |period| 1.0 / period);
         let Some(rate) = rate else { return Ok(APPROACH_RATE.min(max)) };
-        let detail = format_args!("{rate} is out of range; give a positive rate of at most 1 / `period_s`");
+        let detail = format_args!("{} is out of range; give a positive rate of at most 1 / `period_s`", Exact(rate));
         check(rate > 0.0 && rate <= max, pointer, detail)?;
         number(rate, pointer)
     }

@@ -6,6 +6,7 @@ use revprio_api::wire::{self, JointVector};
 use revprio_core::law::{VelocityBounds, VelocityBoundsError};
 use revprio_core::limits::{VelocityBox, VelocityBoxError};
 use revprio_core::linalg::{Damping, Vector};
+use revprio_lab::number::Exact;
 use revprio_robot::RobotModel;
 
 use super::checks::{Inside, Missing, Result, check, each};
@@ -27,7 +28,7 @@ pub const MIN_INERTIA: f64 = 1e-6;
 /// Checks the inertia of a law.
 pub fn inertia(value: f64, pointer: &str) -> Result<f64> {
     let range = format_args!("give an inertia from {MIN_INERTIA:e} to {MAX_MAGNITUDE:e} kg or kg·m²");
-    between(value, MIN_INERTIA..=MAX_MAGNITUDE, pointer, format_args!("{value:e} is out of range; {range}"))
+    between(value, MIN_INERTIA..=MAX_MAGNITUDE, pointer, format_args!("{} is out of range; {range}", Exact(value)))
 }
 
 /// Checks a number that must be in a range; `detail` says why not, with the range.
@@ -37,20 +38,22 @@ pub fn between(value: f64, range: RangeInclusive<f64>, pointer: &str, detail: im
 
 /// Checks a number.
 pub fn number(value: f64, pointer: &str) -> Result<f64> {
-    let detail = format_args!("{value:e} is out of range; give a number from -1e9 to 1e9");
+    let detail = format_args!("{} is out of range; give a number from -1e9 to 1e9", Exact(value));
     between(value, -MAX_MAGNITUDE..=MAX_MAGNITUDE, pointer, detail)
 }
 
 /// Checks a time on the clock of a client, which may be that of Unix.
 pub fn time(value: f64, pointer: &str) -> Result<f64> {
-    let detail =
-        format_args!("{value:e} is out of range; give seconds, from -1e10 to 1e10, not milliseconds or nanoseconds");
+    let detail = format_args!(
+        "{} is out of range; give seconds, from -1e10 to 1e10, not milliseconds or nanoseconds",
+        Exact(value)
+    );
     between(value, -MAX_TIME_S..=MAX_TIME_S, pointer, detail)
 }
 
 /// Checks a number that must not be negative.
 pub fn not_negative(value: f64, pointer: &str) -> Result<f64> {
-    check(!(value < 0.0), pointer, format_args!("{value} is out of range; it must not be negative"))?;
+    check(!(value < 0.0), pointer, format_args!("{} is out of range; it must not be negative", Exact(value)))?;
     number(value, pointer)
 }
 

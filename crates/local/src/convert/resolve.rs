@@ -10,6 +10,7 @@ use revprio_core::limits::{JointMotion, LimitKind, LimitedBox};
 use revprio_core::linalg::Vector;
 use revprio_core::resolution::{Problem, ProblemError, Resolution, Solver};
 use revprio_core::task::Task;
+use revprio_lab::number::Exact;
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Configuration, joint_limit_index};
 
@@ -230,7 +231,7 @@ pub fn known_robot(name: &str, robots: &Robots) -> Result<Arc<RobotModel>> {
 
 /// Checks a control period.
 pub fn positive_period(period: f64, pointer: &str) -> Result<f64> {
-    let detail = format_args!("{period} is out of range; give a control period from 1e-6 to 10 s");
+    let detail = format_args!("{} is out of range; give a control period from 1e-6 to 10 s", Exact(period));
     between(period, MIN_PERIOD_S..=MAX_PERIOD_S, pointer, detail)
 }
 
