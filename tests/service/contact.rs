@@ -206,7 +206,7 @@ fn numbers_that_contradict_each_other_are_warned_about() {
         law.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
         let answer = service.call("/v1/controllers", &controller(&law));
         let warnings = answer["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned());
-        warnings.filter(|text| text.starts_with("task `press`, axis 1:")).collect::<Vec<_>>()
+        warnings.filter(|text| text.starts_with("task `press`, axis z:")).collect::<Vec<_>>()
     };
     assert_eq!(warned(json!({"max_force": 30})), [""; 0]);
     for (fields, part) in [

@@ -48,14 +48,26 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
 /// not keep the order of the tasks, numbers in the wrong unit, and missing limits.
 pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> Vec<String> {
     let mut warnings = request_warnings::of_controller(request, &config.robot);
-    warnings.extend(contradictory_contacts(config));
+    warnings.extend(contradictory_contacts(request, config));
     warnings.extend(missing_accelerations(config));
     warnings
 }
 
 /// The numbers of a contact law may contradict each other.
-fn contradictory_contacts(config: &ControllerConfig) -> impl Iterator<Item = String> {
-    config.contact_contradictions().map(|(k, found)| format!("task `{}`, {found}", config.tasks[k].name))
+fn contradictory_contacts(request: &wire::Controller, config: &ControllerConfig) -> impl Iterator<Item = String> {
+    config.contact_contradictions().map(|(k, found)| {
+        let wire::ControllerTask { name, axes, .. } = &request.tasks[k];
+        format!("task `{name}`, {}", with_axis(&found.to_string(), axes.as_deref().unwrap_or_default()))
+    })
+}
+
+/// Replaces `axis 1`, with which a text about a row begins, by the name of the axis.
+fn with_axis(text: &str, axes: &[wire::Axis]) -> String {
+    let named = text.strip_prefix("axis ").and_then(|text| text.split_once(':')).and_then(|(number, rest)| {
+        let row: usize = number.parse().ok()?;
+        Some(format!("axis {}:{rest}", axes.get(row.checked_sub(1)?)?))
+    });
+    named.unwrap_or_else(|| text.to_owned())
 }
 
 /// A drive may trip when commands change faster than it can.
