@@ -16,6 +16,7 @@ mod parallel_runs;
 mod payload;
 mod press;
 mod progress_bar;
+mod range;
 mod replay;
 mod report;
 mod resolve;

@@ -3,17 +3,20 @@
 use revprio_api::ClientError;
 use revprio_api::presets::{PressOptions, WipeOptions, push, wipe};
 use revprio_api::wire::{Axis, ControllerTask, Frame};
+use revprio_core::law::ContactSettings;
+use revprio_core::surface::SurfaceSettings;
 use revprio_local::json::read;
 use serde_json::json;
 
 use super::error::CliError;
 use super::one_of::one_of;
 use super::output::{print_remark, print_text};
+use super::range::Range;
 use super::service_choice::{CalledService, server_address};
 use super::target::Target;
 
 /// Beginnings of the places in the body, and the options that they come from.
-const OPTIONS: [(&str, &str); 10] = [
+const OPTIONS: [(&str, &str); 9] = [
     ("/robot", "--robot, or --server for the robots of a service"),
     ("/period_s", "--period-s"),
     ("/drive/lag_s", "--lag-s"),
@@ -22,9 +25,17 @@ const OPTIONS: [(&str, &str); 10] = [
     ("/tasks/0/law/approach_speed", "--approach-speed"),
     ("/tasks/0/law/stiffest", "--stiffest"),
     ("/tasks/0/law/max_force", "--max-force"),
-    ("/tasks/1/law/target_displacement/angular_frequency_rad_s", "--speed over --stroke-m"),
-    ("/tasks/1/law/target_displacement", "--stroke-m"),
+    ("/tasks/0/law/surface", "--max-tilt-rad"),
 ];
+
+/// Way of `wipe`.
+const STROKE: Range = Range { option: "--stroke-m", unit: "m", lowest: 1e-4, highest: 10.0 };
+
+/// Speed of `wipe`.
+const SPEED: Range = Range { option: "--speed", unit: "m/s", lowest: 1e-5, highest: 2.0 };
+
+/// Tilt of the surface of `wipe`.
+const TILT: Range = Range { option: "--max-tilt-rad", unit: "rad", lowest: 1e-3, highest: SurfaceSettings::MOST_TILT };
 
 /// Force and arm of both commands.
 #[derive(Debug, clap::Args)]
@@ -32,7 +43,8 @@ struct Press {
     /// Axis along which the tool presses
     #[arg(long, value_parser = one_of(&Axis::ALL))]
     axis: Axis,
-    /// Target force on the environment, N, or N·m for an axis of rotation; its sign is the direction in which the tool presses
+    /// Target force on the environment, N, or N·m for an axis of rotation, up to 2000; its sign is the direction in which the tool
+    /// presses
     #[arg(long)]
     newtons: f64,
     /// Name of a built-in robot, or of a robot of the service at --server
@@ -50,13 +62,13 @@ struct Press {
     /// Delay of a command, whole periods
     #[arg(long, default_value_t = 2)]
     delay_periods: u32,
-    /// Speed of the approach, m/s; if left out, the largest that keeps 1.2 times the force
+    /// Speed of the approach, m/s or rad/s, up to 2; if left out, the largest that keeps 1.2 times the force
     #[arg(long)]
     approach_speed: Option<f64>,
-    /// Stiffness of the stiffest contact, N/m; if left out, 1e6
+    /// Stiffness of the stiffest contact, N/m or N·m/rad, up to 1e8; if left out, 1e6 N/m
     #[arg(long)]
     stiffest: Option<f64>,
-    /// Force at which the tool leaves, N; if left out, none
+    /// Force at which the tool leaves, N or N·m, up to 10000; if left out, none
     #[arg(long)]
     max_force: Option<f64>,
     /// Service that checks the controller, for example http://127.0.0.1:8080; if left out, the command checks it
@@ -75,6 +87,25 @@ impl Press {
             stiffest: self.stiffest,
             max_force: self.max_force,
         }
+    }
+
+    /// Refuses numbers that no arm has.
+    fn check_sizes(&self) -> Result<(), CliError> {
+        let is_angular = matches!(self.axis, Axis::Rx | Axis::Ry | Axis::Rz);
+        let range = |option, units: [&'static str; 2], lowest, highest| Range {
+            option,
+            unit: units[usize::from(is_angular)],
+            lowest,
+            highest,
+        };
+        let softest = ContactSettings::of(is_angular).softest;
+        let given = [
+            (self.approach_speed, range("--approach-speed", ["m/s", "rad/s"], 1e-5, 2.0)),
+            (self.stiffest, range("--stiffest", ["N/m", "N·m/rad"], softest, 1e8)),
+            (self.max_force, range("--max-force", ["N", "N·m"], 1e-3, 1e4)),
+        ];
+        range("--newtons", ["N", "N·m"], 1e-3, 2000.0).check_magnitude(self.newtons)?;
+        given.iter().try_for_each(|(value, range)| value.map_or(Ok(()), |value| range.check(value)))
     }
 
     /// Prints the body of `POST /v1/controllers`, if the service accepts it.
@@ -130,10 +161,10 @@ pub struct SweepOptions {
     /// Axis of the motion
     #[arg(long, value_parser = one_of(&[Axis::X, Axis::Y, Axis::Z]))]
     along: Axis,
-    /// Way from the start along this axis and back, m; negative: the other direction
+    /// Way from the start along this axis and back, m, up to 10; negative: the other direction
     #[arg(long, default_value_t = 0.1)]
     stroke_m: f64,
-    /// Largest speed of the motion, m/s
+    /// Largest speed of the motion, m/s, up to 2
     #[arg(long, default_value_t = 0.05)]
     speed: f64,
     /// Largest tilt of a surface of unknown direction, whose normal the axes follow, rad, up to 1.4; if left out, they stay. The motion
@@ -144,11 +175,16 @@ pub struct SweepOptions {
 
 pub fn run_push(options: &PushOptions) -> Result<(), CliError> {
     let press = &options.press;
+    press.check_sizes()?;
     press.print(&push(press.axis, press.newtons, &press.options())?)
 }
 
 pub fn run_wipe(options: &SweepOptions) -> Result<(), CliError> {
     let SweepOptions { press, along, stroke_m, speed, max_tilt_rad } = options;
+    press.check_sizes()?;
+    STROKE.check_magnitude(*stroke_m)?;
+    SPEED.check(*speed)?;
+    max_tilt_rad.map_or(Ok(()), |tilt| TILT.check(tilt))?;
     let wiping = WipeOptions {
         press: press.options(),
         stroke_m: *stroke_m,

@@ -1,6 +1,6 @@
 //! `revprio push` and `revprio wipe`
 
-use crate::program::{failure, success};
+use crate::program::{failure, program, success};
 use crate::serve::Server;
 
 #[test]
@@ -24,15 +24,12 @@ fn a_service_accepts_what_the_commands_print() {
 }
 
 #[test]
-fn numbers_without_a_meaning_are_refused() {
+fn axes_that_exclude_each_other_are_refused() {
     let refused = |arguments: &[&str], part: &str| {
         let error = failure(&[arguments, &["--robot", "panda", "--axis", "z"]].concat());
         assert!(error.contains(part), "{part} is not in {error}");
     };
-    refused(&["push", "--newtons", "0"], "the force must be finite and not 0");
-    refused(&["push", "--newtons", "5", "--stiffest", "nan"], "stiffest contact must be finite and above 0");
     refused(&["wipe", "--newtons", "5", "--along", "z"], "along another axis");
-    refused(&["wipe", "--newtons", "5", "--along", "x", "--speed", "0"], "the speed must be finite and above 0");
     refused(&["push", "--newtons", "5", "--hold", "x,z"], "axis `z` presses or moves already; leave it out");
     refused(&["wipe", "--newtons", "5", "--along", "x", "--hold", "x"], "axis `x` presses or moves already");
     refused(&["push", "--newtons", "5", "--hold", "x,rx,x"], "axis `x` is there twice");
@@ -55,17 +52,72 @@ fn what_the_service_refuses_is_told_by_the_name_of_the_option() {
         ("--period-s", "0"),
         ("--period-s", "-0.001"),
         ("--delay-periods", "65"),
-        ("--newtons", "1e300"),
-        ("--stiffest", "1"),
         ("--max-force", "0.1"),
         ("--robot", "nobody"),
     ] {
         refused(&["push", option, value], option);
         refused(&["wipe", option, value], option);
     }
-    refused(&["wipe", "--speed", "1e300"], "--speed over --stroke-m");
-    refused(&["wipe", "--stroke-m", "1e-200"], "--speed over --stroke-m");
-    refused(&["wipe", "--stroke-m", "1e300"], "--stroke-m");
+}
+
+#[test]
+fn sizes_that_no_arm_has_are_refused_with_option_value_unit_and_range() {
+    let refused = |arguments: &str, message: &str| {
+        let given: Vec<&str> = arguments.split(' ').collect();
+        let error = failure(&[&given, &["--robot", "panda"][..]].concat());
+        assert_eq!(error, format!("error: {message}\n"));
+    };
+    let sign = "the sign is the direction";
+    for (newtons, shown) in [("-5000", "-5000"), ("1e300", "1e300"), ("1e-200", "1e-200"), ("0", "0"), ("nan", "NaN")] {
+        let message = format!("--newtons: {shown} N is out of range; give 0.001 to 2000 N; {sign}");
+        refused(&format!("push --axis z --newtons {newtons}"), &message);
+        refused(&format!("wipe --axis z --along x --newtons {newtons}"), &message);
+    }
+    for (option, message) in [
+        ("--approach-speed 1e9", "--approach-speed: 1e9 m/s is out of range; give 1e-5 to 2 m/s"),
+        ("--approach-speed 1e-200", "--approach-speed: 1e-200 m/s is out of range; give 1e-5 to 2 m/s"),
+        ("--stiffest 1e9", "--stiffest: 1e9 N/m is out of range; give 300 to 1e8 N/m"),
+        ("--stiffest nan", "--stiffest: NaN N/m is out of range; give 300 to 1e8 N/m"),
+        ("--max-force 1e5", "--max-force: 100000 N is out of range; give 0.001 to 10000 N"),
+    ] {
+        refused(&format!("push --axis z --newtons 5 {option}"), message);
+    }
+    for (option, message) in [
+        ("--speed 0", "--speed: 0 m/s is out of range; give 1e-5 to 2 m/s"),
+        ("--stroke-m 1e-200", "--stroke-m: 1e-200 m is out of range; give 0.0001 to 10 m; the sign is the direction"),
+        ("--stroke-m -100", "--stroke-m: -100 m is out of range; give 0.0001 to 10 m; the sign is the direction"),
+        ("--max-tilt-rad 9", "--max-tilt-rad: 9 rad is out of range; give 0.001 to 1.4 rad"),
+    ] {
+        refused(&format!("wipe --axis z --along x --newtons 5 {option}"), message);
+    }
+    let angular = "--stiffest: 1 N·m/rad is out of range; give 3 to 1e8 N·m/rad";
+    refused("push --axis rz --newtons 1 --stiffest 1", angular);
+}
+
+#[test]
+fn a_tilt_around_an_axis_of_rotation_is_told_by_the_name_of_the_option() {
+    let error = failure(&[
+        "wipe",
+        "--robot",
+        "panda",
+        "--axis",
+        "rz",
+        "--along",
+        "x",
+        "--newtons",
+        "1",
+        "--max-tilt-rad",
+        "0.3",
+    ]);
+    assert!(error.starts_with("error: --max-tilt-rad: a task that follows the normal"), "{error}");
+}
+
+#[test]
+fn a_warning_about_the_force_names_its_axis() {
+    let push = ["push", "--robot", "panda", "--axis", "z", "--newtons", "15", "--max-force", "16"];
+    let output = program(&push).output().unwrap();
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(warning.starts_with("warning: task `push`, axis z: `max_force` 16 is less than 1.2 times"), "{warning}");
 }
 
 #[test]
