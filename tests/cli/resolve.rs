@@ -37,6 +37,34 @@ fn stability_prints_the_margins() {
 }
 
 #[test]
+fn stability_prints_limits_of_the_search_and_loops_without_damping_as_they_are() {
+    let printed = |more: &str| {
+        let more: Vec<&str> = more.split(' ').collect();
+        let text = success(&[&["stability", "--inertia", "15"], &more[..]].concat());
+        text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>().join("\n")
+    };
+    let undamped = "unstable, spectral radius 1\nlargest lag none\nlargest delay none\nsmallest damping B_d above 0\n";
+    for environment in ["1e5", "0"] {
+        let text = printed(&format!("--damping 0 --environment-stiffness {environment}"));
+        assert!(text.starts_with(undamped), "{text}");
+    }
+    let damped = printed("--damping 0 --environment-stiffness 1e5 --environment-damping 1000");
+    assert!(damped.starts_with("stable, ") && damped.contains("\nsmallest damping B_d 0\n"), "{damped}");
+    let soft = printed("--damping 100 --environment-stiffness 1e-3");
+    assert!(soft.starts_with("stable, spectral radius 1 - 1.0e-8\nlargest lag 1e8 ms\n"), "{soft}");
+    assert!(soft.contains("\nlargest delay 64 periods or more\n"), "{soft}");
+    let late = printed("--damping 150 --environment-stiffness 1e5");
+    assert!(late.contains("largest lag 1.5 ms\nlargest delay 1 period\n"), "{late}");
+}
+
+#[test]
+fn stability_refuses_a_lag_that_no_arm_has() {
+    let loop_ =
+        ["stability", "--inertia", "15", "--damping", "150", "--environment-stiffness", "1e5", "--lag-s", "1e9"];
+    assert_eq!(failure(&loop_), "error: --lag-s: 1e9 s is out of range; give 0 to 10 s\n");
+}
+
+#[test]
 fn stability_names_the_option_that_is_wrong() {
     let contact = ["stability", "--damping", "150", "--environment-stiffness", "1e5"];
     for (option, value) in
