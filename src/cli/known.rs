@@ -2,13 +2,18 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
 use clap::{Arg, Command, Error};
-use revprio_lab::simulator::ScenarioList;
+use revprio_lab::simulator::BUILT_IN_SCENARIOS;
 use revprio_robot::built_in;
 use std::ffi::OsStr;
 
 /// Returns a parser of the name of a built-in robot.
 pub fn known_robot() -> PossibleValuesParser {
     PossibleValuesParser::new(built_in().iter().map(|robot| robot.name().to_owned()))
+}
+
+/// Returns a parser of the name of a built-in scenario.
+pub fn known_scenario() -> PossibleValuesParser {
+    PossibleValuesParser::new(BUILT_IN_SCENARIOS.map(|(name, _)| name))
 }
 
 /// A parser of the name of a built-in scenario, or of any other text: the path of a file.
@@ -23,7 +28,6 @@ impl TypedValueParser for ScenarioName {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        let scenarios = ScenarioList::built_in().ok()?.scenarios;
-        Some(Box::new(scenarios.into_iter().map(|scenario| PossibleValue::new(scenario.name))))
+        Some(Box::new(BUILT_IN_SCENARIOS.into_iter().map(|(name, _)| PossibleValue::new(name))))
     }
 }

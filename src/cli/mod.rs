@@ -61,6 +61,7 @@ const EXAMPLES: &str = "Examples:
   revprio config --config service.toml               print the settings in force and who set them
   revprio simulate stiff_wall --solver qp            run one experiment with its own service
   revprio simulate stiff_wall --server http://127.0.0.1:8080
+  revprio scenarios show press > mine.toml           print the file of a scenario, for `revprio simulate mine.toml`
   revprio compare stiff_wall_singular --methods damped_least_squares,reverse_priority --solvers closed_form,qp
   revprio simulate stiff_wall --traces csv,mcap      also record it as CSV and for Foxglove
   revprio replay revprio-out/stiff_wall-reverse_priority-auto.mcap
@@ -88,8 +89,8 @@ enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// List the scenarios that ship with the program.
-    Scenarios,
+    /// List the scenarios that ship with the program, and print their files.
+    Scenarios(scenarios::Options),
     /// List and show the built-in robots, and check a robot file.
     Robots(robots::Options),
     /// Run one scenario with the built-in simulator against a service.
@@ -162,7 +163,7 @@ impl Cli {
             Command::Config(options) => config::run(&options),
             Command::Completions { shell } => completions(shell),
             Command::Load(arguments) => Ok(tool::run("load", &arguments)?),
-            Command::Scenarios => scenarios::run(),
+            Command::Scenarios(options) => scenarios::run(&options),
             Command::Robots(options) => robots::run(&options),
             Command::Simulate(options) => simulate::run(&options),
             Command::Compare(options) => compare::run(&options),

@@ -73,7 +73,8 @@ const MIN_BEGINNING: usize = 3;
 
 /// Returns the known name that was probably meant: the one that begins so, or the nearest one, if at most a third of its
 /// characters differ.
-fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     let given = shortened(given).to_lowercase();
     let begins = |name: &&&str| given.len() >= MIN_BEGINNING && name.starts_with(&given);
     if let Some(name) = known.iter().find(begins) {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use revprio_api::wire::read_error::in_plain_words;
+use revprio_api::wire::read_error::{in_plain_words, nearest};
 use revprio_api::wire::{self, integer, object};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -125,12 +125,14 @@ pub enum ScenarioError {
         error: FieldError,
     },
     /// Neither the name of a scenario nor of a file.
-    #[error("there is no scenario `{name}`; known: {known}; or give a file (.toml or .json)")]
+    #[error(
+        "there is no scenario `{name}`; {}known: {}; or give a file (.toml or .json)",
+        guess(name),
+        Scenario::names()
+    )]
     Unknown {
         /// The name.
         name: String,
-        /// All names.
-        known: String,
     },
 }
 
@@ -166,6 +168,12 @@ pub const BUILT_IN_SCENARIOS: [(&str, &str); 24] = built_in![
     "lossy_line"
 ];
 
+/// Asks for the scenario that was probably meant, if one is near.
+fn guess(name: &str) -> String {
+    let known = BUILT_IN_SCENARIOS.map(|(known, _)| known);
+    nearest(name, &known).map(|known| format!("did you mean `{known}`? ")).unwrap_or_default()
+}
+
 /// Names of the scenarios of the paper.
 pub const PAPER_SCENARIOS: [&str; 4] =
     ["force_tracking", "force_tracking_singular", "stiff_wall", "stiff_wall_singular"];
@@ -189,7 +197,7 @@ impl Scenario {
         }
         let is_file = Path::new(name_or_path).extension().is_some_and(|ending| ending == "toml" || ending == "json");
         if !is_file {
-            return Err(ScenarioError::Unknown { name: name_or_path.to_owned(), known: Self::names() });
+            return Err(ScenarioError::Unknown { name: name_or_path.to_owned() });
         }
         let text = std::fs::read_to_string(name_or_path)
             .map_err(|source| ScenarioError::Read { path: name_or_path.to_owned(), source })?;
