@@ -33,6 +33,19 @@ fn own_scenario_runs_against_a_server_and_writes_recording_figures_and_page() {
 }
 
 #[test]
+fn losses_and_faults_are_printed_for_the_law_contact_alone() {
+    let scratch = Scratch::new("simulate_losses");
+    let table = |name: &str, duration: &str| {
+        let file = scratch.write("mine.toml", &short(name, duration));
+        success(&["simulate", &file, "--in-process", "--out", &scratch.argument("out")])
+    };
+    let pressing = table("peg_edge", "duration_s = 6.0");
+    let line = pressing.lines().find(|line| line.trim_start().starts_with("losses / faults"));
+    assert!(line.is_some_and(|line| line.ends_with(" 1 / 0")), "{pressing}");
+    assert!(!table("stiff_wall", "duration_s = 0.1").contains("losses"));
+}
+
+#[test]
 fn stateless_run_gives_the_same_recording() {
     let scratch = Scratch::new("stateless");
     let file = scratch.write("mine.toml", &short("force_tracking_singular", "duration_s = 0.3"));
@@ -96,7 +109,9 @@ fn in_process_is_explained_and_excludes_a_server() {
 fn errors_name_the_scenario_the_line_and_the_server() {
     let scratch = Scratch::new("simulate_failures");
     let known = failure(&["simulate", "stif_wall"]);
-    assert!(known.contains("no scenario `stif_wall`; known: force_tracking, "), "{known}");
+    assert!(known.contains("no scenario `stif_wall`; did you mean `stiff_wall`? known: force_tracking, "), "{known}");
+    let far = failure(&["simulate", "nothing_like_it"]);
+    assert!(far.contains("no scenario `nothing_like_it`; known: force_tracking, "), "{far}");
     assert!(failure(&["simulate", "no_such.toml"]).contains("cannot read no_such.toml"));
     let broken = scratch.write("broken.toml", &short("stiff_wall", "duration_s = = 1"));
     assert!(failure(&["simulate", &broken]).contains("line 5"));

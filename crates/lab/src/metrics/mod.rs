@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use revprio_api::wire::{Path, Status};
 use serde::Serialize;
 
-use crate::simulator::recording::{Recording, Sample};
+use crate::simulator::recording::{ContactEvent, Recording, Sample};
 
 /// For a run longer than this (s), only the steady part is evaluated.
 pub const LONG_RUN_S: f64 = 10.0;
@@ -37,6 +37,15 @@ pub struct Residual {
     pub rms: f64,
     /// Largest value.
     pub largest: f64,
+}
+
+/// How often the law `contact` lost its surface and gave a contact up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct ContactFailures {
+    /// Losses: the tool left the surface, and went back to it.
+    pub losses: usize,
+    /// Faults: the law gave the contact up.
+    pub faults: usize,
 }
 
 /// The direction of the force `F` of [`Metrics`].
@@ -106,6 +115,8 @@ pub struct Metrics {
     pub first_contact_s: Option<f64>,
     /// Number of separate contact intervals.
     pub contacts: usize,
+    /// Losses and faults that the law `contact` told on all its axes; `None` if no task has this law.
+    pub contact_failures: Option<ContactFailures>,
     /// Largest `|q̇_i|` of any joint (rad/s).
     pub max_joint_speed: f64,
     /// Least distance of the watched pairs of shapes (m); `None` if no pair is watched.
@@ -149,6 +160,7 @@ impl Metrics {
             peak_force: samples.iter().map(|s| direction.force(s) * direction.sign(s)).fold(0.0, larger),
             first_contact_s: touched.first().map(|s| s.time_s),
             contacts: contacts(samples),
+            contact_failures: contact_failures(samples),
             max_joint_speed: max_joint_speed(samples),
             least_distance_m: samples.iter().filter_map(|s| s.least_distance).reduce(f64::min),
             residuals: residuals(samples),
@@ -222,6 +234,19 @@ fn in_contact(sample: &Sample) -> bool {
 fn from_first_contact(samples: &[Sample]) -> &[Sample] {
     let start = samples.iter().position(in_contact).unwrap_or(samples.len());
     &samples[start..]
+}
+
+/// Counts losses and faults; `None` without an axis with the law `contact`.
+fn contact_failures(samples: &[Sample]) -> Option<ContactFailures> {
+    samples.first().filter(|sample| !sample.contacts.is_empty())?;
+    let events = samples.iter().flat_map(|sample| &sample.contacts.event);
+    Some(events.fold(ContactFailures::default(), |count, event| match event {
+        ContactEvent::None | ContactEvent::Approach | ContactEvent::Contact => count,
+        ContactEvent::Loss => ContactFailures { losses: count.losses + 1, ..count },
+        ContactEvent::Pull | ContactEvent::StaysInRetreat | ContactEvent::ForceLimit | ContactEvent::Stuck => {
+            ContactFailures { faults: count.faults + 1, ..count }
+        }
+    }))
 }
 
 fn contacts(samples: &[Sample]) -> usize {

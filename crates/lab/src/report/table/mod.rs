@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::requests::Requests;
 use super::run::Run;
 use crate::metrics::limits::LimitUse;
-use crate::metrics::{Direction, Metrics, Overshoot, Residual, largest_difference, main_direction};
+use crate::metrics::{ContactFailures, Direction, Metrics, Overshoot, Residual, largest_difference, main_direction};
 use crate::number::significant;
 use crate::simulator::recording::Recording;
 
@@ -91,12 +91,13 @@ pub enum Place {
 }
 
 /// All quantities; rows are grouped by the first one.
-pub static QUANTITIES: [Quantity; 27] = [
+pub static QUANTITIES: [Quantity; 28] = [
     identifier("scenario", |row| row.scenario.clone()),
     identifier("method", Row::method_name),
     identifier("solver", Row::solver_name),
     detail("first contact", "s", "", |row| optional(row.metrics.first_contact_s, 3)),
     detail("contacts", "", CONTACTS, |row| row.metrics.contacts.to_string()),
+    detail("losses / faults", "", FAILURES, |row| contact_failures(row.metrics.contact_failures)),
     detail("peak F", "N", "", |row| significant(row.metrics.peak_force, 4)),
     column("RMSE F_x", "N", RMSE, |row| optional(row.metrics.rmse_fx, 3)),
     column("RMSE F_y", "N", "", |row| optional(row.metrics.rmse_fy, 3)),
@@ -130,6 +131,7 @@ const ROUND_TRIP_HEADING: &str = "round trip, median / 99th perc.";
 const LIMIT_EXCESS_HEADING: &str = "limit excess";
 
 const CONTACTS: &str = "number of separate contact intervals (without a wall: intervals with a force)";
+const FAILURES: &str = "how often the law `contact` lost the surface, and gave the contact up, on all its axes";
 const RMSE: &str = "root mean square of the force minus its target; after 5 s in a run longer than 10 s, otherwise after the \
      first contact";
 const CONTACT: &str =
@@ -252,6 +254,10 @@ fn words(word: impl Display) -> String {
 
 fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| MISSING.to_owned(), |v| significant(v, digits))
+}
+
+fn contact_failures(failures: Option<ContactFailures>) -> String {
+    failures.map_or_else(|| MISSING.to_owned(), |count| format!("{} / {}", count.losses, count.faults))
 }
 
 fn percent(fraction: f64) -> String {
