@@ -122,7 +122,10 @@ fn errors_name_unknown_methods_scenarios_and_invalid_postures() {
     let unknown = program(&["compare", "stiff_wall", "--methods", "reverse_priority,newton"]).output().unwrap();
     assert_eq!(unknown.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&unknown.stderr).contains("newton"));
-    assert!(failure(&["compare", "stiff_wall", "stif_wall"]).contains("no scenario `stif_wall`; known: "));
+    assert!(
+        failure(&["compare", "stiff_wall", "stif_wall"])
+            .contains("no scenario `stif_wall`; did you mean `stiff_wall`?")
+    );
     let scratch = Scratch::new("compare_broken");
     let far = scratch.write("far.toml", &short("stiff_wall", 0.1).replacen("2.9, ", "1e300, ", 1));
     let message = failure(&["compare", &far, "--out", &scratch.argument("out")]);
