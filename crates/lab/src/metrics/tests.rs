@@ -35,16 +35,13 @@ fn near(value: Option<f64>, expected: f64) -> bool {
 
 #[test]
 fn losses_and_faults_are_counted_on_all_axes_with_the_law_contact() {
+    use ContactEvent::{Approach, Contact, ForceLimit, Loss, None as Nothing, Stuck};
+    let events = [[Contact, Nothing], [Loss, Contact], [Approach, Loss], [Stuck, ForceLimit], [Loss, Nothing]];
     let period = |event: [ContactEvent; 2]| {
         let contacts = Contacts { event: event.to_vec(), ..Contacts::approaching(2, 0) };
         Sample { contacts, ..sample(0.0) }
     };
-    use ContactEvent::{Approach, Contact, ForceLimit, Loss, None as Nothing, Stuck};
-    let run = recording(
-        [[Contact, Nothing], [Loss, Contact], [Approach, Loss], [Stuck, ForceLimit], [Loss, Nothing]]
-            .map(period)
-            .to_vec(),
-    );
+    let run = recording(events.map(period).to_vec());
     assert_eq!(Metrics::of(&run).contact_failures, Some(ContactFailures { losses: 3, faults: 2 }));
     let without_law = recording(vec![in_contact_with(0.0, 30.0)]);
     assert_eq!(Metrics::of(&without_law).contact_failures, None);
