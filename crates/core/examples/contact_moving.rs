@@ -1,4 +1,4 @@
-//! Prints how the contact law follows walls that leave and return, and that swing.
+//! Prints how the contact law follows walls that leave and return, that swing, and that swing under random conditions.
 //!
 //! `cargo run --release -p revprio-core --example contact_moving`
 
@@ -10,7 +10,9 @@ mod laws;
 mod plant;
 
 use laws::Pressing;
-use plant::{Conditions, Event, SWINGS, run};
+use plant::{Conditions, Event, Noise, SWINGS, run};
+use revprio_core::law::ContactSettings;
+use revprio_core::limits::Drive;
 
 fn main() {
     println!(
@@ -44,6 +46,7 @@ fn main() {
         }
     }
     swings();
+    random_swings();
 }
 
 /// Prints how it follows walls that swing.
@@ -72,5 +75,80 @@ fn swings() {
                 found.settled
             );
         }
+    }
+}
+
+/// What a random wall that swings has shown.
+struct Swung {
+    /// K a τ_d²/F_d: the force that the acceleration of the wall costs within the reaction time.
+    difficulty: f64,
+    /// Largest error of the force while the wall swings, and from a second after it has stopped on, over F_d.
+    errors: [f64; 2],
+    losses: usize,
+}
+
+/// Returns the whole part of a share of a number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share is positive, and the number small"
+)]
+fn below(share: f64, number: usize) -> usize {
+    (share * number as f64) as usize
+}
+
+/// Swings a random wall on a random drive, whose lag is stated right, too small, or too large.
+fn random_swing(random: &mut Noise) -> Swung {
+    let mut one_of = |values: &[f64]| values[below(random.uniform(), values.len())];
+    let (target, lag) = (one_of(&[5.0, 10.0, 30.0, 100.0]), one_of(&[0.0, 0.005, 0.01, 0.02]));
+    let (delay, period) = (one_of(&[0.0, 1.0, 2.0]), one_of(&[0.001, 0.002, 0.008]));
+    let (stated, bandwidth) = (one_of(&[0.5, 1.0, 1.0, 1.0, 1.5]), one_of(&[0.0, 0.0, 150.0, 400.0]));
+    let soft = (bandwidth > 0.0).then_some((if bandwidth < 200.0 { 5.0 } else { 2.0 }, bandwidth));
+    let (stiffness, frequency) = (random.between(1e3, 1e6), random.between(0.2, 4.0));
+    let angular = std::f64::consts::TAU * frequency;
+    let amplitude = random.between(1e-4, 5e-3).min(0.05 / angular);
+    let terms =
+        Conditions { hold: 3.0, target, soft, ..Conditions::new(stiffness, 0.01, (lag, below(delay, 1), period)) };
+    let start = 1.2 + 1.5 * terms.travel();
+    let terms = Conditions { event: Event::Swing(start, amplitude, frequency), ..terms };
+    let settings =
+        ContactSettings { approach_speed: Some(terms.speed), noise: terms.noise, ..ContactSettings::default() };
+    let mut law = Pressing::told(&terms, Drive { lag_s: stated * lag, delay_periods: terms.delay }, settings);
+    let mut errors = [0.0_f64; 2];
+    let found = run(&terms, &mut law, |[time, force, ..]| {
+        let error = (force / target - 1.0).abs();
+        if (1.0..SWINGS).contains(&(time - start)) {
+            errors[0] = errors[0].max(error);
+        } else if time > start + SWINGS + 1.0 {
+            errors[1] = errors[1].max(error);
+        }
+    });
+    let reaction = lag + (delay + 1.0) * period + terms.sensor_lag;
+    let difficulty = stiffness * amplitude * (angular * reaction).powi(2) / target;
+    Swung { difficulty, errors, losses: found.losses }
+}
+
+/// Prints how it follows random walls that swing.
+fn random_swings() {
+    println!(
+        "\n| K a τ_d²/F_d | walls | error: median, 90 %, worst, % | with losses | off by 15 % at rest |\n|---|---|---|---|---|"
+    );
+    let mut random = Noise::new(1);
+    let swung: Vec<_> = (0..600).map(|_| random_swing(&mut random)).collect();
+    for (least, most) in [(0.0, 0.003), (0.003, 0.01), (0.01, 0.03), (0.03, 0.1), (0.1, 1.0), (1.0, f64::INFINITY)] {
+        let those: Vec<_> = swung.iter().filter(|swung| (least..most).contains(&swung.difficulty)).collect();
+        let mut errors: Vec<_> = those.iter().map(|swung| 100.0 * swung.errors[0]).collect();
+        errors.sort_by(f64::total_cmp);
+        let at = |share: f64| errors[below(share, errors.len() - 1)];
+        let (lost, off) = (|swung: &&&Swung| swung.losses > 0, |swung: &&&Swung| swung.errors[1] > 0.15);
+        println!(
+            "| {least} … {most} | {} | {:.0}, {:.0}, {:.0} | {} | {} |",
+            those.len(),
+            at(0.5),
+            at(0.9),
+            at(1.0),
+            those.iter().filter(lost).count(),
+            those.iter().filter(off).count()
+        );
     }
 }

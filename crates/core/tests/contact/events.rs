@@ -84,7 +84,6 @@ fn a_wall_that_leaves_and_returns_is_held_to_a_tenth() {
     }
 }
 
-/// A bias above the target looks like a wall that pushes for ever.
 /// At 0.2 and 0.5 Hz, up to K v τ_d of 7 % of the target. Faster ones are lost: docs/contact.md has the figures.
 #[test]
 fn a_wall_that_swings_slowly_is_held_to_a_fifth() {
@@ -105,6 +104,7 @@ fn a_wall_that_swings_slowly_is_held_to_a_fifth() {
     }
 }
 
+/// A bias above the target looks like a wall that pushes for ever.
 #[test]
 fn a_force_that_stays_in_a_retreat_ends_in_a_fault() {
     let terms = Conditions { bias: 40.0, hold: 3.0, ..Conditions::new(1e4, 0.03, (0.005, 1, 0.002)) };
