@@ -1,4 +1,5 @@
-//! Prints how the contact law follows walls that leave and return, that swing, and that swing under random conditions.
+//! Prints how the contact law follows walls that leave and return, that swing, and that swing under random conditions, and what it does with
+//! contacts whose stiffness changes.
 //!
 //! `cargo run --release -p revprio-core --example contact_moving`
 
@@ -47,6 +48,7 @@ fn main() {
     }
     swings();
     random_swings();
+    random_changes();
 }
 
 /// Prints how it follows walls that swing.
@@ -149,6 +151,69 @@ fn random_swings() {
             at(1.0),
             those.iter().filter(lost).count(),
             those.iter().filter(off).count()
+        );
+    }
+}
+
+/// Returns a drive at random: L, D and T, and the mass and the bandwidth of one that yields.
+fn random_drive(random: &mut Noise) -> ((f64, usize, f64), Option<(f64, f64)>) {
+    let mut one_of = |values: &[f64]| values[below(random.uniform(), values.len())];
+    let drive = (one_of(&[0.0, 0.005, 0.01, 0.02]), below(one_of(&[0.0, 1.0, 2.0]), 1), one_of(&[0.001, 0.002, 0.008]));
+    let bandwidth = one_of(&[0.0, 0.0, 150.0, 400.0]);
+    (drive, (bandwidth > 0.0).then_some((if bandwidth < 200.0 { 5.0 } else { 2.0 }, bandwidth)))
+}
+
+/// What a contact has shown whose stiffness has changed: the largest force over the target of its time, and the error over the target at the
+/// end.
+struct Changed {
+    peak: f64,
+    error: f64,
+    losses: usize,
+}
+
+/// Changes the stiffness of a random contact that is held, by a factor, and the target 1.5 s later by another one.
+fn random_change(random: &mut Noise, [factor, later]: [f64; 2], seed: u64) -> Changed {
+    let (drive, soft) = random_drive(random);
+    let target = [5.0, 10.0, 30.0, 100.0][below(random.uniform(), 4)];
+    let stiffness = random.between(1e3, 1e5);
+    let terms = Conditions { hold: 6.0, target, soft, seed, ..Conditions::new(stiffness, 0.01, drive) };
+    let start = 1.5 + 1.5 * terms.travel();
+    let terms = Conditions { event: Event::Slope(start, factor), ..terms };
+    let mut law = Pressing::new(&terms);
+    law.later = Some((start + 1.5, later * target));
+    let (mut peak, mut error) = (0.0_f64, 0.0_f64);
+    let found = run(&terms, &mut law, |[time, force, ..]| {
+        let now = if time < start + 1.5 { target } else { later * target };
+        if time > start {
+            peak = peak.max(force / now);
+        }
+        if time > start + 5.0 {
+            error = error.max((force / now - 1.0).abs());
+        }
+    });
+    Changed { peak, error, losses: found.losses }
+}
+
+/// Prints how it presses on contacts whose stiffness changes while they are held.
+fn random_changes() {
+    println!(
+        "\n| stiffness | target then | runs | peak over target: median, 95 %, worst | above 1.5 | off by 15 % at the end | with losses |\n|---|---|---|---|---|---|---|"
+    );
+    let mut random = Noise::new(2);
+    for [factor, later] in [[10.0, 1.0], [0.1, 1.0], [10.0, 2.0]] {
+        let changed: Vec<_> = (0..200).map(|seed| random_change(&mut random, [factor, later], seed)).collect();
+        let mut peaks: Vec<_> = changed.iter().map(|changed| changed.peak).collect();
+        peaks.sort_by(f64::total_cmp);
+        let count = |is: fn(&Changed) -> bool| changed.iter().filter(|changed| is(changed)).count();
+        println!(
+            "| × {factor} | × {later} | {} | {:.2}, {:.2}, {:.2} | {} | {} | {} |",
+            changed.len(),
+            peaks[100],
+            peaks[190],
+            peaks[199],
+            count(|changed| changed.peak > 1.5),
+            count(|changed| changed.error > 0.15),
+            count(|changed| changed.losses > 0)
         );
     }
 }

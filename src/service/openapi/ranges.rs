@@ -220,6 +220,7 @@ fn memory_ranges() -> Vec<FieldRange> {
             spent_j: NotNegative,
             hold_time_s: NotNegative,
             surface_motion: Items(3, 3),
+            followed: Items(8, 8),
             stiffness: Items(3, 3),
             means: Items(2, 2),
             sums: Items(4, 4),
@@ -231,6 +232,7 @@ fn memory_ranges() -> Vec<FieldRange> {
             means: Items(2, 2),
             sums: Items(4, 4),
             surface_motion: Items(3, 3),
+            followed: Items(8, 8),
         }
         wire::NormalMemory {
             normal: Items(3, 3),

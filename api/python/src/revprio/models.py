@@ -1953,26 +1953,33 @@ class MeasuredContact(Body):
     Fields:
 
     - means: Running means of sensed position and force. Shape: 2.
-    - position: Measured position of the tool, the same as the force sensor sees it, and the short mean of that.
-      Shape: 3.
+    - position: Measured position of the tool, the same as the force sensor sees it, and as it is followed. Shape:
+      3.
     - stiffness: Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3.
     - sums: Sums of the squared position, position times force, the squared force, and the number of samples. Shape:
       4.
-    - surface_motion: Short mean of the place of the surface, its velocity over the long time, and how long the
-      change from that has lasted, s. Shape: 3.
+    - surface_motion: Means of the velocity of the surface over a short and a long time, and how long it has been
+      seen to move, s. Shape: 3.
+    - followed: Position and force as they are followed while the contact is held, their rates, what was not
+      foreseen of them in the last period, and their noise; absent without a held contact, and in older memories:
+      then a motion of the surface is learnt anew. Shape: 8.
     """
 
     means: Vector
     """Running means of sensed position and force. Shape: 2."""
     position: Vector
-    """Measured position of the tool, the same as the force sensor sees it, and the short mean of that. Shape: 3."""
+    """Measured position of the tool, the same as the force sensor sees it, and as it is followed. Shape: 3."""
     stiffness: Vector
     """Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad. Shape: 3."""
     sums: Vector
     """Sums of the squared position, position times force, the squared force, and the number of samples. Shape: 4."""
     surface_motion: Vector
-    """Short mean of the place of the surface, its velocity over the long time, and how long the change from that has
-    lasted, s. Shape: 3."""
+    """Means of the velocity of the surface over a short and a long time, and how long it has been seen to move, s.
+    Shape: 3."""
+    followed: Vector | None = None
+    """Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in
+    the last period, and their noise; absent without a held contact, and in older memories: then a motion of the surface
+    is learnt anew. Shape: 8."""
 
 
 class NormalMemory(Body):
@@ -2030,13 +2037,17 @@ class ContactMemory(Body):
     - sums: Sums of the squared position, position times force, the squared force, and the number of samples. Shape:
       4.
     - surface: Position of the surface.
-    - surface_motion: Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape:
-      3.
+    - surface_motion: Place of the surface as it is followed, the stiffness of that place, and the velocity of the
+      surface that is fed forward. Only the velocity is read back. Shape: 3.
     - swing: Factor of the upper bound, and the largest difference from the target force since the force last
       crossed it and before. Shape: 3.
     - fault: Why the contact is given up; only in the state `fault`.
+    - followed: Position and force as they are followed while the contact is held, their rates, what was not
+      foreseen of them in the last period, and their noise; absent without a held contact, and in older memories.
+      Shape: 8.
     - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
       the contact is lost.
+    - mean_target_force: Mean of the target force; default 0.
     - measured: What the measured positions of the tool show; absent before the first period, and in older memories:
       then a motion of the surface is noticed from the next touch on.
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
@@ -2076,15 +2087,21 @@ class ContactMemory(Body):
     surface: float
     """Position of the surface."""
     surface_motion: Vector
-    """Mean place of the surface, the stiffness of that mean, and the velocity of the surface. Shape: 3."""
+    """Place of the surface as it is followed, the stiffness of that place, and the velocity of the surface that is fed
+    forward. Only the velocity is read back. Shape: 3."""
     swing: Vector
     """Factor of the upper bound, and the largest difference from the target force since the force last crossed it and
     before. Shape: 3."""
     fault: ContactFault | None = None
     """Why the contact is given up; only in the state `fault`."""
+    followed: Vector | None = None
+    """Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in
+    the last period, and their noise; absent without a held contact, and in older memories. Shape: 8."""
     lack: float | None = None
     """Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact
     is lost."""
+    mean_target_force: float | None = None
+    """Mean of the target force; default 0."""
     measured: MeasuredContact | None = None
     """What the measured positions of the tool show; absent before the first period, and in older memories: then a
     motion of the surface is noticed from the next touch on."""

@@ -154,7 +154,7 @@ pub struct NormalMemory {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredContact {
-    /// Measured position of the tool, the same as the force sensor sees it, and the short mean of that.
+    /// Measured position of the tool, the same as the force sensor sees it, and as it is followed.
     #[schema(example = json!([0.012, 0.012, 0.012]))]
     pub position: [f64; 3],
     /// Upper bound, slope and uncertainty of the stiffness, N/m or N·m/rad.
@@ -166,9 +166,14 @@ pub struct MeasuredContact {
     /// Sums of the squared position, position times force, the squared force, and the number of samples.
     #[schema(example = json!([1e-6, 0.012, 144.0, 80.0]))]
     pub sums: [f64; 4],
-    /// Short mean of the place of the surface, its velocity over the long time, and how long the change from that has lasted, s.
-    #[schema(example = json!([0.01, 0.0, 0.0]))]
+    /// Means of the velocity of the surface over a short and a long time, and how long it has been seen to move, s.
+    #[schema(example = json!([0.0, 0.0, 0.0]))]
     pub surface_motion: [f64; 3],
+    /// Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in the last period, and
+    /// their noise; absent without a held contact, and in older memories: then a motion of the surface is learnt anew.
+    #[schema(example = json!([0.012, 29.9, 0.0, 0.1, 1e-7, 0.1, 1e-7, 0.2]))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub followed: Option<[f64; 8]>,
 }
 
 /// What the law `contact` remembers of one axis, along its pressing direction. Forces are N or N·m, positions m or rad.
@@ -224,7 +229,17 @@ pub struct ContactMemory {
     /// Sums of the squared position, position times force, the squared force, and the number of samples.
     #[schema(example = json!([1e-6, 0.012, 144.0, 80.0]))]
     pub sums: [f64; 4],
-    /// Mean place of the surface, the stiffness of that mean, and the velocity of the surface.
+    /// Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in the last period, and
+    /// their noise; absent without a held contact, and in older memories.
+    #[schema(example = json!([0.012, 29.9, 0.0, 0.1, 1e-7, 0.1, 1e-7, 0.2]))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub followed: Option<[f64; 8]>,
+    /// Mean of the target force; default 0.
+    #[schema(example = 30.0)]
+    #[serde(default)]
+    pub mean_target_force: f64,
+    /// Place of the surface as it is followed, the stiffness of that place, and the velocity of the surface that is fed forward. Only the velocity is
+    /// read back.
     #[schema(example = json!([0.01, 12_000.0, 0.0]))]
     pub surface_motion: [f64; 3],
     /// What the measured positions of the tool show; absent before the first period, and in older memories: then a motion of the surface is noticed from the next

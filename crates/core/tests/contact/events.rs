@@ -84,13 +84,17 @@ fn a_wall_that_leaves_and_returns_is_held_to_a_tenth() {
     }
 }
 
-/// At 0.2 and 0.5 Hz, up to K v τ_d of 7 % of the target. Faster ones are lost: docs/contact.md has the figures.
+/// Walls at up to 2 Hz and 25 mm/s, whose acceleration costs up to 0.05 of the target within the reaction time of 11 ms.
 #[test]
-fn a_wall_that_swings_slowly_is_held_to_a_fifth() {
-    let walls =
-        [(1e3, 0.5, 2e-3), (1e4, 0.2, 5e-3), (1e4, 0.5, 2e-3), (3e4, 0.2, 5e-3), (3e4, 0.5, 2e-3), (1e5, 0.2, 1e-3)];
-    for ((stiffness, frequency, amplitude), seed) in walls.iter().flat_map(|wall| [1, 2, 3].map(|seed| (*wall, seed))) {
+fn a_wall_that_swings_is_held_to_a_third() {
+    let walls = [1e3, 1e4, 3e4, 1e5].iter().flat_map(|k| {
+        [(0.2, 1e-3), (0.2, 5e-3), (0.5, 2e-3), (1.0, 1e-3), (1.0, 3e-3), (2.0, 2e-3)].map(|(f, a)| (*k, f, a))
+    });
+    for ((stiffness, frequency, amplitude), seed) in walls.flat_map(|wall| [1, 2, 3].map(|seed| (wall, seed))) {
         let terms = Conditions { hold: 3.0, ..Conditions::new(stiffness, 0.03, (0.005, 1, 0.002)) }.seeded(seed);
+        if stiffness * amplitude * (std::f64::consts::TAU * frequency * 0.011).powi(2) > 0.05 * 30.0 {
+            continue;
+        }
         let start = 1.2 + 1.5 * terms.travel();
         let terms = Conditions { event: Event::Swing(start, amplitude, frequency), ..terms };
         let mut worst: f64 = 0.0;
@@ -100,7 +104,23 @@ fn a_wall_that_swings_slowly_is_held_to_a_fifth() {
             }
         });
         assert!(found.settled && found.losses == 0, "{stiffness} {frequency} {seed}: {found:?}");
-        assert!(worst < 6.0, "{stiffness} {frequency} {seed}: {worst}");
+        assert!(worst < 10.0, "{stiffness} {frequency} {amplitude} {seed}: {worst}");
+    }
+}
+
+/// At rest nothing shows that the contact has become stiffer. The next target does, before the force is far above it.
+#[test]
+fn a_contact_that_has_become_stiffer_is_asked_for_twice_the_force() {
+    for stiffness in [1e3, 3e3, 1e4, 3e4, 1e5] {
+        for (soft, seed) in [None, Some((5.0, 150.0))].iter().flat_map(|soft| [1, 2, 3].map(|seed| (*soft, seed))) {
+            let terms = Conditions { soft, hold: 4.0, ..later(stiffness, |t| Event::Slope(t, 10.0)) }.seeded(seed);
+            let mut law = Pressing::new(&terms);
+            law.later = Some((3.0 + 1.5 * terms.travel(), 60.0));
+            let found = run(&terms, &mut law, |_| {});
+            let case = format!("{stiffness} {soft:?} {seed}: {found:?}");
+            assert!((found.error - 30.0).abs() < 1.0 && found.rms < 1.0 && found.losses == 0, "{case}");
+            assert!(found.peak_after < 1.5 * 60.0, "{case}");
+        }
     }
 }
 

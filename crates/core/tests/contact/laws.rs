@@ -17,6 +17,9 @@ pub struct Pressing {
     axis: ContactAxis,
     acceleration: f64,
     target: f64,
+    /// Another target, N, from a time on, s.
+    pub later: Option<(f64, f64)>,
+    time: f64,
     last: f64,
     /// Where the tool was measured last, m.
     place: Option<f64>,
@@ -48,6 +51,8 @@ impl Pressing {
             axis: ContactAxis::START,
             acceleration: terms.acceleration,
             target: terms.target,
+            later: None,
+            time: 0.0,
             last: speed,
             place: None,
             report: None,
@@ -62,6 +67,10 @@ impl Pressing {
 impl Controller for Pressing {
     fn command(&mut self, reading: f64, [place, _]: [f64; 2]) -> f64 {
         let period = self.timing.period;
+        self.time += period;
+        if let Some((_, target)) = self.later.take_if(|later| self.time > later.0) {
+            self.target = target;
+        }
         let input = AxisInput {
             force: reading,
             limited_force: reading,

@@ -88,7 +88,7 @@ fn slides_slowly(wipe: Wipe) {
 fn a_fixed_frame_presses_too_hard_or_too_softly() {
     let fixed = Wipe { surface: None, ..Wipe::ALONG_X };
     let (up, down) = (wipe(tilted(-20.0, 0.5), fixed), wipe(tilted(20.0, 0.5), fixed));
-    assert!(up.error > 0.2 && down.error > 0.2, "{up:?} {down:?}");
+    assert!(up.error > 0.3 && down.error > 0.15, "{up:?} {down:?}");
 }
 
 /// A surface that comes is not taken for a stiff one, from which the tool would retreat slowly.

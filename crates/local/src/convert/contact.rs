@@ -164,7 +164,8 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         spent: number(axis.spent_j, "/spent_j")?,
         before_retreat: number(axis.before_retreat, "/before_retreat")?,
         fault_position: number(axis.fault_position, "/fault_position")?,
-        estimate: stiffness_memory(&axis.stiffness, &axis.means, &axis.sums)?,
+        mean_target: number(axis.mean_target_force, "/mean_target_force")?,
+        estimate: stiffness_memory((&axis.stiffness, &axis.means, &axis.sums), axis.followed.as_ref())?,
         motion: motion_memory(axis)?,
         swing: Swing { factor, amplitude, before, above: axis.is_above },
         unchanged: Unchanged { force: unchanged, position: since, time },
@@ -172,10 +173,15 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
     })
 }
 
-fn stiffness_memory(stiffness: &[f64; 3], means: &[f64; 2], sums: &[f64; 4]) -> Result<StiffnessEstimate> {
+fn stiffness_memory(
+    (stiffness, means, sums): (&[f64; 3], &[f64; 2], &[f64; 4]),
+    followed: Option<&[f64; 8]>,
+) -> Result<StiffnessEstimate> {
+    let [position, force, velocity, rate, x, f, position_scatter, force_scatter] = *followed.unwrap_or(&[0.0; 8]);
     check_numbers(stiffness, "/stiffness")?;
     check_numbers(means, "/means")?;
     check_numbers(sums, "/sums")?;
+    followed.map_or(Ok(()), |followed| check_numbers(followed, "/followed"))?;
     let ([upper, slope, uncertainty], [mean_position, mean_force]) = (*stiffness, *means);
     let [squared_position, product, squared_force, samples] = *sums;
     Ok(StiffnessEstimate {
@@ -188,27 +194,55 @@ fn stiffness_memory(stiffness: &[f64; 3], means: &[f64; 2], sums: &[f64; 4]) -> 
         product,
         squared_force,
         samples,
+        followed: [position, force],
+        rates: [velocity, rate],
+        unforeseen: [x, f],
+        scatter: [position_scatter, force_scatter],
     })
+}
+
+/// Returns what is followed of a held contact; `None` without one.
+fn followed(estimate: &StiffnessEstimate) -> Option<[f64; 8]> {
+    let ([position, force], [velocity, rate]) = (estimate.followed, estimate.rates);
+    let ([x, f], [position_scatter, force_scatter]) = (estimate.unforeseen, estimate.scatter);
+    (force != 0.0).then_some([position, force, velocity, rate, x, f, position_scatter, force_scatter])
 }
 
 fn motion_memory(axis: &wire::ContactMemory) -> Result<SurfaceMotion> {
     check_numbers(&axis.surface_motion, "/surface_motion")?;
-    let [long, slope, velocity] = axis.surface_motion;
+    let [.., velocity] = axis.surface_motion;
     let Some(measured) = &axis.measured else { return Ok(SurfaceMotion::default()) };
-    let wire::MeasuredContact { position, stiffness, means, sums, surface_motion: [short, slow, lasts] } = measured;
+    let wire::MeasuredContact { position, stiffness, means, sums, surface_motion, followed } = measured;
     let read = || {
         check_numbers(position, "/position")?;
-        check_numbers(&measured.surface_motion, "/surface_motion")?;
-        stiffness_memory(stiffness, means, sums)
+        check_numbers(surface_motion, "/surface_motion")?;
+        stiffness_memory((stiffness, means, sums), followed.as_ref())
     };
     let stiffness = read().map_err(|error| error.inside("/measured"))?;
-    Ok(SurfaceMotion { tool: *position, stiffness, means: [long, *short], slope, slow: *slow, lasts: *lasts, velocity })
+    let ([tool, sensed, _], [short, long, lasts]) = (*position, *surface_motion);
+    let motion = SurfaceMotion { tool: [tool, sensed], stiffness, velocity, ..SurfaceMotion::default() };
+    // Without it, these numbers have another meaning: they are from an older memory.
+    Ok(if followed.is_some() { SurfaceMotion { means: [long, short], lasts, ..motion } } else { motion })
 }
 
 fn motion_answer(motion: &SurfaceMotion) -> wire::MeasuredContact {
     let (stiffness, means, sums) = stiffness_answer(&motion.stiffness);
-    let surface_motion = [motion.means[1], motion.slow, motion.lasts];
-    wire::MeasuredContact { position: motion.tool, stiffness, means, sums, surface_motion }
+    let ([tool, sensed], [followed_position, _]) = (motion.tool, motion.stiffness.followed);
+    wire::MeasuredContact {
+        position: [tool, sensed, followed_position],
+        stiffness,
+        means,
+        sums,
+        surface_motion: [motion.means[1], motion.means[0], motion.lasts],
+        followed: followed(&motion.stiffness),
+    }
+}
+
+/// Returns the place of the surface as it is followed, the stiffness of that place, and the velocity of the surface.
+fn surface_motion_answer(motion: &SurfaceMotion) -> [f64; 3] {
+    let ([position, force], slope) = (motion.stiffness.followed, motion.stiffness.slope);
+    let place = if slope > 0.0 { position - force / slope } else { 0.0 };
+    [place, slope, motion.velocity]
 }
 
 fn stiffness_answer(estimate: &StiffnessEstimate) -> ([f64; 3], [f64; 2], [f64; 4]) {
@@ -297,7 +331,9 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         stiffness,
         means,
         sums,
-        surface_motion: [axis.motion.means[0], axis.motion.slope, axis.motion.velocity],
+        followed: followed(&axis.estimate),
+        mean_target_force: axis.mean_target,
+        surface_motion: surface_motion_answer(&axis.motion),
         measured: (axis.motion != SurfaceMotion::default()).then(|| motion_answer(&axis.motion)),
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,

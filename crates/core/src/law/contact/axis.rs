@@ -63,6 +63,8 @@ pub struct ContactAxis {
     pub lack: f64,
     /// Clock of a held contact, s: it counts while the force is near its target, and runs back while it is away.
     pub hold_time: f64,
+    /// Mean of F_d over the window of the estimator, N.
+    pub mean_target: f64,
     /// Largest speed of the way back to a lost surface, and up to which an approach speeds up at once, m/s.
     pub return_speed: f64,
     /// Energy of the tank that is spent, J.
@@ -94,6 +96,7 @@ impl ContactAxis {
         contact_time: 0.0,
         lack: 0.0,
         hold_time: 0.0,
+        mean_target: 0.0,
         return_speed: 0.0,
         spent: 0.0,
         before_retreat: 0.0,
@@ -132,10 +135,8 @@ impl ContactAxis {
             self.before_retreat,
             self.motion.tool[0],
             self.motion.tool[1],
-            self.motion.tool[2],
             self.motion.means[0],
             self.motion.means[1],
-            self.motion.slow,
             self.motion.velocity,
             self.unchanged.force,
             self.unchanged.position,
@@ -146,7 +147,7 @@ impl ContactAxis {
             self.hold_time,
             return_speed,
             self.spent,
-            self.motion.slope,
+            self.mean_target,
             self.motion.lasts,
             self.swing.amplitude,
             self.swing.before,

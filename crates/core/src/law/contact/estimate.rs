@@ -24,6 +24,20 @@ const SAMPLE_SIGMAS: f64 = 4.0;
 /// Rate at which the uncertainty grows with the number of samples.
 const CORRELATION: f64 = 0.7;
 
+/// Acceleration of a surface that the filter of a held contact need not foresee, m/s².
+const UNFORESEEN: f64 = 0.3;
+
+/// Share of the force that a surface changes within τ_t which sets off at [`FASTEST`]: what the force does not foresee changes its rate by
+/// no more. A force that jumps is no motion.
+const SETS_OFF: f64 = 0.4;
+
+/// Speed of a surface that sets off, m/s.
+const FASTEST: f64 = 0.05;
+
+/// Noise of x and F over the scatter of what is not foreseen. That of a position has a margin, because nobody states it; that of a force has
+/// the stated one below it.
+const NOISE: [f64; 2] = [1.2, 0.8];
+
 /// What the contact law knows of the stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StiffnessEstimate {
@@ -45,6 +59,23 @@ pub struct StiffnessEstimate {
     pub squared_force: f64,
     /// n, number of samples.
     pub samples: f64,
+    /// x and F as they are followed while the contact is held, m and N; 0, 0: it is not held.
+    pub followed: [f64; 2],
+    /// Their rates, m/s and N/s.
+    pub rates: [f64; 2],
+    /// What was not foreseen of x and F in the last period, m and N.
+    pub unforeseen: [f64; 2],
+    /// Rms of its changes from period to period, over √2: the noise.
+    pub scatter: [f64; 2],
+}
+
+/// What is known of a held contact.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    /// Velocity of the surface, m/s.
+    pub surface_velocity: f64,
+    /// Whether the target has changed within the window.
+    pub is_asked: bool,
 }
 
 impl StiffnessEstimate {
@@ -59,6 +90,10 @@ impl StiffnessEstimate {
         product: 0.0,
         squared_force: 0.0,
         samples: 0.0,
+        followed: [0.0; 2],
+        rates: [0.0; 2],
+        unforeseen: [0.0; 2],
+        scatter: [0.0; 2],
     };
 
     /// Returns whether all numbers are finite and in their ranges.
@@ -66,8 +101,9 @@ impl StiffnessEstimate {
         let Self { upper, slope, uncertainty, mean_position, mean_force, .. } = *self;
         let Self { squared_position, product, squared_force, samples, .. } = *self;
         let positive = [upper, slope, uncertainty, squared_position, squared_force, samples];
-        [mean_position, mean_force, product].iter().all(|value| value.is_finite())
-            && positive.iter().all(|value| value.is_finite() && *value >= 0.0)
+        let signed = [mean_position, mean_force, product];
+        signed.iter().chain(&self.followed).chain(&self.rates).chain(&self.unforeseen).all(|value| value.is_finite())
+            && positive.iter().chain(&self.scatter).all(|value| value.is_finite() && *value >= 0.0)
     }
 
     /// Returns the estimate at a first contact: the stiffest one, without data; x_s (m), F (N).
@@ -80,16 +116,10 @@ impl StiffnessEstimate {
         if self.slope > 0.0 { self.slope } else { self.upper }
     }
 
-    /// Starts the means at x_s (m) and F (N).
-    pub(super) fn restart_means(&mut self, position: f64, force: f64) {
+    /// Starts means and filters at x_s (m) and F (N), on a surface with a velocity (m/s).
+    pub(super) fn restart(&mut self, [position, force]: [f64; 2], velocity: f64) {
         (self.mean_position, self.mean_force) = (position, force);
-    }
-
-    /// Drops what a force has shown above the known slope: it came from a surface that moves.
-    pub(super) fn refute(&mut self) {
-        if self.slope > 0.0 {
-            self.upper = self.upper.min(HELD_MARGIN * self.slope);
-        }
+        (self.followed, self.rates) = ([position, force], [velocity, 0.0]);
     }
 
     /// Learns from x_s (m) and F (N) of a period in contact. It learns only from motion that the noise does not hide.
@@ -98,30 +128,92 @@ impl StiffnessEstimate {
     /// then comes from a surface that moves, and a K̂ that is too large is only slow.
     pub(super) fn learn(
         &mut self,
-        (settings, timing): (&ContactSettings, &ContactTiming),
+        terms: (&ContactSettings, &ContactTiming),
         (position, force): (f64, f64),
-        (is_held, surface_velocity): (bool, f64),
+        held: Option<Held>,
     ) {
-        // The surface takes the means with it: what counts is the motion relative to it.
-        self.mean_position += timing.period * surface_velocity;
+        let (settings, timing) = terms;
+        // Of a contact whose stiffness is not known, nothing is held.
+        let held = held.filter(|_| self.slope > 0.0);
+        self.mean_position += timing.period * held.map_or(0.0, |held| held.surface_velocity);
         let (x, f) = (position - self.mean_position, force - self.mean_force);
-        // A force that falls as the tool goes deeper is no stiffness: the surface moves.
-        let is_surface = is_held && x * f < 0.0;
-        if x.abs() * self.upper > DEAD_ZONE * settings.noise && !is_surface {
-            self.add(settings, timing, x, f);
-            self.update(settings, timing, is_held);
+        if let Some(held) = held {
+            // A force that falls as the tool goes deeper is no stiffness: the surface moves.
+            let is_caused = held.is_asked && held.surface_velocity == 0.0 && x * f >= 0.0;
+            if is_caused {
+                self.teach(terms, (x, f), [settings.noise; 2], true);
+            }
+            self.follow(terms, (position, force), !is_caused);
+        } else {
+            (self.followed, self.rates) = ([0.0; 2], [0.0; 2]);
+            (self.unforeseen, self.scatter) = ([0.0; 2], [0.0; 2]);
+            self.teach(terms, (x, f), [settings.noise; 2], false);
         }
         let share = timing.period / timing.window;
         self.mean_position += share * x;
         self.mean_force += share * f;
     }
 
-    /// Adds a sample. A single one that shows more stiffness than K̂ replaces all others.
-    fn add(&mut self, settings: &ContactSettings, timing: &ContactTiming, x: f64, f: f64) {
-        let least = (f.abs() - SAMPLE_SIGMAS * settings.noise) / x.abs();
+    /// Learns from a sample, if a motion of the size of a noise, N, does not explain it; `noises`: that, and the noise of the force.
+    fn teach(
+        &mut self,
+        terms: (&ContactSettings, &ContactTiming),
+        (x, f): (f64, f64),
+        [motion, noise]: [f64; 2],
+        is_held: bool,
+    ) {
+        if x.abs() * self.upper > DEAD_ZONE * motion {
+            self.add(terms, (x, f), noise);
+            self.update(terms, noise, is_held);
+        }
+    }
+
+    /// Follows position and force of a held contact by two filters of second order with both poles at τ_t. What they do not foresee teaches
+    /// K̂, if it `teaches`: steady motion of tool and surface does not.
+    fn follow(&mut self, terms: (&ContactSettings, &ContactTiming), (position, force): (f64, f64), teaches: bool) {
+        let (settings, timing) = terms;
+        if self.followed[1] == 0.0 {
+            self.followed = [position, force];
+        }
+        let kept = (-timing.period / timing.tracking).exp();
+        let [nearer, faster] = [1.0 - kept * kept, (1.0 - kept) * (1.0 - kept) / timing.period];
+        let foreseen = [0, 1].map(|i| self.followed[i] + timing.period * self.rates[i]);
+        let (x, f) = (position - foreseen[0], force - foreseen[1]);
+        let share = timing.period / timing.window;
+        for (i, value) in [x, f].into_iter().enumerate() {
+            let change = value - self.unforeseen[i];
+            self.scatter[i] =
+                ((1.0 - share) * self.scatter[i] * self.scatter[i] + 0.5 * share * change * change).sqrt();
+        }
+        self.unforeseen = [x, f];
+        let [_, noise] = self.noise(settings);
+        if teaches {
+            let sets_off = self.slope * UNFORESEEN * settings.metre * timing.tracking * timing.tracking;
+            self.teach(terms, (x, f), [noise.hypot(sets_off), noise], true);
+        }
+        let most = (SETS_OFF * self.slope * FASTEST * settings.metre * timing.tracking).max(SAMPLE_SIGMAS * noise);
+        self.followed = [foreseen[0] + nearer * x, foreseen[1] + nearer * f];
+        self.rates = [self.rates[0] + faster * x, self.rates[1] + faster * f.clamp(-most, most)];
+    }
+
+    /// Returns the noise of x_s and F, rms, m and N: what changes from period to period of what is not foreseen, which a surface that sets off
+    /// does not. That of F is the stated one at least.
+    pub(super) fn noise(&self, settings: &ContactSettings) -> [f64; 2] {
+        let [position, force] = self.scatter;
+        [NOISE[0] * position, (NOISE[1] * force).max(settings.noise)]
+    }
+
+    /// Replaces all samples by a single one.
+    fn replace(&mut self, settings: &ContactSettings, (x, f): (f64, f64), least: f64) {
+        (self.squared_position, self.product, self.squared_force, self.samples) = (x * x, x * f, f * f, 1.0);
+        self.upper = (MARGIN * least).min(settings.stiffest);
+    }
+
+    /// Adds a sample with the noise σ (N). A single one that shows more stiffness than K̂ replaces all others.
+    fn add(&mut self, (settings, timing): (&ContactSettings, &ContactTiming), (x, f): (f64, f64), sigma: f64) {
+        let least = (f.abs() - SAMPLE_SIGMAS * sigma) / x.abs();
         if x * f > 0.0 && least > self.upper {
-            (self.squared_position, self.product, self.squared_force, self.samples) = (x * x, x * f, f * f, 1.0);
-            self.upper = (MARGIN * least).min(settings.stiffest);
+            self.replace(settings, (x, f), least);
         } else {
             self.squared_position += x * x;
             self.product += x * f;
@@ -129,7 +221,7 @@ impl StiffnessEstimate {
             self.samples += 1.0;
         }
         // Forgets as fast as information arrives.
-        let noise = inflation(timing) * settings.noise / self.upper;
+        let noise = inflation(timing) * sigma / self.upper;
         let most = SAMPLES * noise * noise;
         if self.squared_position > most {
             let share = most / self.squared_position;
@@ -141,16 +233,16 @@ impl StiffnessEstimate {
     }
 
     /// Updates K̂ and the slope from the sums. A negative slope is no stiffness: the data are not from one contact.
-    fn update(&mut self, settings: &ContactSettings, timing: &ContactTiming, is_held: bool) {
+    fn update(&mut self, (settings, timing): (&ContactSettings, &ContactTiming), sigma: f64, is_held: bool) {
         // With σ = 0 the memory may be empty.
         if self.squared_position <= 0.0 {
             return;
         }
-        let variance = settings.noise * settings.noise;
+        let variance = sigma * sigma;
         let slope = self.product / self.squared_position;
         let gain = ((self.squared_force - self.samples * variance).max(0.0) / self.squared_position).sqrt();
         let uncertainty =
-            settings.noise * (inflation(timing) + CORRELATION * self.samples.sqrt()) / self.squared_position.sqrt();
+            sigma * (inflation(timing) + CORRELATION * self.samples.sqrt()) / self.squared_position.sqrt();
         if slope > -uncertainty {
             let estimate = (MARGIN * gain + SIGMAS * uncertainty).clamp(settings.softest, settings.stiffest);
             let decayed = self.upper * (-timing.period / timing.fall).exp();
@@ -184,7 +276,7 @@ mod tests {
         let mut estimate = StiffnessEstimate::start(&settings, 0.0, 0.0);
         for i in 1..=500 {
             let x = travel * f64::from(i) / 500.0;
-            estimate.learn((&settings, &timing()), (x, stiffness * x), (false, 0.0));
+            estimate.learn((&settings, &timing()), (x, stiffness * x), None);
         }
         estimate
     }
@@ -209,7 +301,7 @@ mod tests {
         let settings = ContactSettings::default();
         let mut estimate = after_motion(1e3, 0.03);
         let (x, f) = (estimate.mean_position + 0.005, estimate.mean_force + 250.0);
-        estimate.learn((&settings, &timing()), (x, f), (true, 0.0));
+        estimate.learn((&settings, &timing()), (x, f), Some(Held { surface_velocity: 0.0, is_asked: true }));
         assert!(estimate.upper > 1.24 * 49_000.0, "{estimate:?}");
     }
 }

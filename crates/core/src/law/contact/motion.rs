@@ -1,56 +1,48 @@
 //! The velocity of a surface that moves.
 //!
 //! The surface is at w = x_m − F/K_m, whatever the tool does. x_m is the *measured* position of the tool as the force sensor sees it, and
-//! K_m the stiffness between it and the surface: a drive that yields moves neither. The velocity of w is that of two means,
-//! v = (w − w̄)/τ with w̄ ← w̄ + (T/τ) (w − w̄): a long one, τ_s, with little noise, and a short one, τ_d, which shows a change.
+//! K_m the stiffness between it and the surface: a drive that yields moves neither. So its velocity is v_w = v_x − v_F/K_m, with the rates
+//! of x_m and F from filters of the time constant τ_t. Its acceleration a is that of a mean of v_w over 2 τ_t, and v_w + a t is fed forward,
+//! where t is by how much filter, sensor and drive are late.
 //!
-//! An error of K_m makes the share |1 − K/K_m| of the tool's own velocity relative to the surface look like one of the surface. So a
-//! change counts from [`OWN_SHARE`] of that on, and only while no force says that K_m is wrong.
+//! An error of K_m makes the share |1 − K/K_m| of the tool's own velocity relative to the surface look like one of the surface.
 
-use super::estimate::StiffnessEstimate;
+use super::estimate::{Held, StiffnessEstimate};
 use super::settings::ContactSettings;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 
-/// Velocity that is no motion, m/s: swings of a contact on a drive that yields look like it.
+/// Velocity that is no motion, m/s, and as a share of F_d/(K_m τ_c), with which a missing force is made up for: swings of a contact on a
+/// drive that yields look like it.
 const REST: f64 = 5e-4;
+const RESTORING: f64 = 0.05;
 
 /// Uncertainties of a velocity below which it is no motion.
 const SIGMAS: f64 = 3.0;
 
-/// Share of the tool's velocity that an error of K_m may make look like one of the surface.
-const OWN_SHARE: f64 = 0.25;
+/// Multiple of the tool's velocity, in the other direction, that a contact which has become 10 times as stiff makes look like one of the
+/// surface: K/K_m − 1 behind filters, and a margin.
+const STIFFER: f64 = 30.0;
 
-/// Multiple of the tool's velocity, in the other direction, that a contact makes look like one of the surface which has become 10 times as
-/// stiff: K/K_m − 1, and a margin.
-const STIFFER: f64 = 12.0;
+/// Time of the short mean over τ_t.
+const SHORT: f64 = 2.0;
 
-/// Periods after which a change is believed.
-const BELIEVED: f64 = 2.0;
-
-/// τ_d after which a change is over: the short mean has reached 95 % of it.
+/// τ_d after which the long mean takes over.
 const OVER: f64 = 3.0;
 
-/// Share of F_d by which a force is off that refutes a stiffness.
-const OFF: f64 = 0.2;
-
-/// Factor of swings, and K̂ over K_m, up to which a change is believed. A held K̂ is twice K_m; above that a force has shown more.
-const TRUSTED: (f64, f64) = (1.2, 2.05);
+/// Share of F_d by which F is off where nothing that enlarges its error is fed forward.
+const ENLARGED: f64 = 0.3;
 
 /// How a surface moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SurfaceMotion {
-    /// Measured position of the tool, m; the same as the force sensor sees it, x_m; and the short mean of that.
-    pub tool: [f64; 3],
+    /// Measured position of the tool, m; the same as the force sensor sees it, x_m.
+    pub tool: [f64; 2],
     /// What is known of the stiffness between x_m and the surface.
     pub stiffness: StiffnessEstimate,
-    /// w̄, the long and the short mean, m.
+    /// Means of v_w over τ_s and over 2 τ_t, m/s.
     pub means: [f64; 2],
-    /// K_m of these means, N/m; 0: the surface was not seen yet.
-    pub slope: f64,
-    /// The velocity of the long mean, m/s.
-    pub slow: f64,
-    /// How long the change from it has lasted, s.
+    /// How long the surface has been seen to move, s.
     pub lasts: f64,
     /// The velocity that is fed forward, m/s.
     pub velocity: f64,
@@ -58,19 +50,12 @@ pub struct SurfaceMotion {
 
 impl SurfaceMotion {
     /// No motion, no data.
-    pub(super) const NONE: Self = Self {
-        tool: [0.0; 3],
-        stiffness: StiffnessEstimate::NONE,
-        means: [0.0; 2],
-        slope: 0.0,
-        slow: 0.0,
-        lasts: 0.0,
-        velocity: 0.0,
-    };
+    pub(super) const NONE: Self =
+        Self { tool: [0.0; 2], stiffness: StiffnessEstimate::NONE, means: [0.0; 2], lasts: 0.0, velocity: 0.0 };
 
     /// Moves the tool by a way (m) in a time (s).
     pub(super) fn advance(&mut self, sensor_lag: f64, [way, time]: [f64; 2]) {
-        let [before, sensed, _] = &mut self.tool;
+        let [before, sensed] = &mut self.tool;
         *sensed = lagging(sensor_lag, (*before, *sensed), [way, time]);
         *before += way;
     }
@@ -83,89 +68,81 @@ impl SurfaceMotion {
 
     /// Goes on with a surface that was lost and is found again.
     pub(super) fn find_again(&mut self, force: f64) {
-        self.stiffness.restart_means(self.tool[1], force);
+        self.stiffness.restart([self.tool[1], force], self.velocity);
     }
 
-    /// Lets the surface go on with its velocity for a period (s) in which it is not seen. One that comes, and is lost all the same, has stopped.
+    /// Lets the surface go on with its velocity for a period in which it is not seen. One that comes, and is lost all the same, has stopped.
     pub(super) fn coast(&mut self, timing: &ContactTiming) {
         if self.velocity < 0.0 {
             self.velocity *= (-timing.period / timing.reaction).exp();
         }
-        let way = timing.period * self.velocity;
-        self.means = self.means.map(|mean| mean + way);
-        self.tool[2] += way;
     }
 
-    /// Returns whether the surface moves otherwise than over the long time.
-    pub(super) fn is_changing(&self, timing: &ContactTiming) -> bool {
-        self.lasts > BELIEVED * timing.period
+    /// Returns whether the surface has been seen to move for longer than τ_t.
+    pub(super) fn is_seen(&self, timing: &ContactTiming) -> bool {
+        self.lasts > timing.tracking
     }
 
-    /// Learns from a period in contact: F and F_d, N, how F swings, and whether the contact is held.
-    ///
-    /// Returns whether a held contact is less stiff than K̂.
+    /// Learns from a period in contact: F and F_d, N, how F swings, and what is known of a held contact.
     pub(super) fn learn(
         &mut self,
         terms: (&ContactSettings, &ContactTiming),
         forces: [f64; 2],
-        (swing, is_held): (&Swing, bool),
-    ) -> bool {
+        (swing, held): (&Swing, Option<Held>),
+    ) {
         let [way, change] = [self.tool[1] - self.stiffness.mean_position, forces[0] - self.stiffness.mean_force];
-        self.stiffness.learn(terms, (self.tool[1], forces[0]), (is_held, self.slow));
-        if !is_held {
+        self.stiffness.learn(terms, (self.tool[1], forces[0]), held);
+        if held.is_some() {
+            self.follow(terms, forces, swing);
+        } else {
             let velocity = self.coming(terms, [way, change]);
             *self = Self { tool: self.tool, stiffness: self.stiffness, velocity, ..Self::NONE };
-            return false;
         }
-        let is_refuted = refutes(terms.0, forces, [way, change]);
-        if is_refuted {
-            self.stiffness.refute();
-        }
-        self.follow(terms, forces, swing);
-        is_refuted
     }
 
     /// Updates the means and the velocity.
-    fn follow(&mut self, terms: (&ContactSettings, &ContactTiming), [force, target]: [f64; 2], swing: &Swing) {
+    fn follow(&mut self, terms: (&ContactSettings, &ContactTiming), forces: [f64; 2], swing: &Swing) {
         let ((settings, timing), slope) = (terms, self.stiffness.slope);
         if slope <= 0.0 {
             return;
         }
-        let place = self.tool[1] - force / slope;
-        if self.slope <= 0.0 {
-            (self.means, self.tool[2]) = ([place; 2], self.tool[1]);
+        let [own, rate] = self.stiffness.rates;
+        let (seen, short) = (own - rate / slope, SHORT * timing.tracking);
+        let acceleration = (seen - self.means[1]) / short;
+        let [position_noise, force_noise] = self.stiffness.noise(settings);
+        let place_noise = position_noise.hypot(force_noise / slope);
+        let (noise, rest) = (rate_noise(timing, place_noise), rest_velocity(terms, slope, forces[1]));
+        let is_stiffer = looks_like_a_stiffer_contact(seen, own);
+        // Noise stays in the long mean, which would not be zero at rest otherwise.
+        let meant = if is_stiffer && seen.abs() > SIGMAS * noise { 0.0 } else { seen };
+        self.means[0] += timing.period / timing.surface * (meant - self.means[0]);
+        self.means[1] += timing.period * acceleration;
+        let slow = beyond(self.means[0], rest.max(SIGMAS * mean_noise(timing, place_noise)));
+        let is_moving = self.is_seen(timing) || slow != 0.0;
+        let (band, patience) = if is_moving {
+            (noise, timing.tracking)
         } else {
-            // Another stiffness moves the place, not the surface.
-            let shift = force / self.slope - force / slope;
-            self.means = self.means.map(|mean| mean + shift);
-        }
-        self.slope = slope;
-        let times = [timing.surface, timing.reaction];
-        let seen = [0, 1].map(|i| (place - self.means[i]) / times[i]);
-        let own = (self.tool[1] - self.tool[2]) / timing.reaction;
-        self.means = [0, 1].map(|i| self.means[i] + timing.period * seen[i]);
-        self.tool[2] += timing.period * own;
-        let [long, short] = times.map(|time| SIGMAS * noise(terms, slope, time));
-        let rest = REST * settings.metre;
-        self.slow = beyond(seen[0], long.max(rest));
-        let band = short + OWN_SHARE * (own - self.velocity).abs() + rest;
-        let is_trusted = swing.factor < TRUSTED.0 && self.stiffness.upper <= TRUSTED.1 * slope;
-        let change = seen[1] - self.slow;
-        let is_believable = is_trusted && !looks_like_a_stiffer_contact(change, own - self.slow);
-        let change = if is_believable { beyond(change, band) } else { 0.0 };
-        self.lasts = if change == 0.0 { 0.0 } else { self.lasts + timing.period };
-        let is_believed = self.is_changing(timing) && (change < 0.0 || force > self.vanished(terms, target));
-        let change = if is_believed { change } else { 0.0 };
+            (SIGMAS * noise + rest, timing.tracking * swing.factor * swing.factor)
+        };
+        let counts = seen.abs() > band && !is_stiffer;
+        self.lasts = if counts { self.lasts + timing.period } else { 0.0 };
+        let is_believed = self.lasts > patience && (seen < 0.0 || forces[0] > self.vanished(terms, forces[1]));
+        let velocity = if is_believed {
+            seen + (timing.following + short) * beyond(acceleration, SIGMAS * noise / short)
+        } else {
+            slow
+        };
         if self.lasts > OVER * timing.reaction {
             // The long mean goes on with that velocity.
-            (self.means[0], self.lasts) = (place - timing.surface * (self.slow + change), 0.0);
+            self.means[0] = seen;
         }
-        self.velocity = (self.slow + change).clamp(-settings.followed_speed, settings.followed_speed);
+        let velocity = velocity * useful_share(velocity, forces);
+        self.velocity = velocity.clamp(-settings.followed_speed, settings.followed_speed);
     }
 
     /// Returns the force, N, that a sensor with a lag still reads of a surface that has vanished: it has jumped, and does not move.
     fn vanished(&self, (settings, timing): (&ContactSettings, &ContactTiming), target: f64) -> f64 {
-        let time = (self.lasts - BELIEVED * timing.period).max(0.0);
+        let time = (self.lasts - timing.tracking).max(0.0);
         let left = if timing.sensor_lag > 0.0 { (-time / timing.sensor_lag).exp() } else { 0.0 };
         (target * left).max(settings.threshold())
     }
@@ -181,12 +158,10 @@ impl SurfaceMotion {
     }
 }
 
-/// Returns whether no stiffness explains the way (m) of the tool and the change of the force (N) within the window: the tool retreats, and a
-/// force above F_d rises all the same; or it advances, and one below F_d falls.
-fn refutes(settings: &ContactSettings, [force, target]: [f64; 2], [way, change]: [f64; 2]) -> bool {
-    let error = force - target;
-    let is_off = error.abs() > OFF * target && error * change > 0.0;
-    is_off && change.abs() > SIGMAS * settings.noise && way * change < 0.0
+/// Returns which share of a velocity (m/s) is fed forward: the less, the more it would enlarge the error of F (N).
+fn useful_share(velocity: f64, [force, target]: [f64; 2]) -> f64 {
+    let error = force / target - 1.0;
+    (1.0 - error * velocity.signum() / ENLARGED).clamp(0.0, 1.0)
 }
 
 /// Returns whether a velocity may come from the tool's own one (m/s) in a contact that has become stiffer: a surface that moves takes the tool
@@ -195,15 +170,32 @@ fn looks_like_a_stiffer_contact(velocity: f64, own: f64) -> bool {
     velocity * own < 0.0 && velocity.abs() < STIFFER * own.abs()
 }
 
-/// Returns the rms noise of a velocity over a time constant, m/s, at the stiffness K_m.
-fn noise((settings, timing): (&ContactSettings, &ContactTiming), slope: f64, time: f64) -> f64 {
-    let correlation = (1.0 + 2.0 * timing.sensor_lag / timing.period).sqrt();
-    settings.noise / slope / time * (0.5 * timing.period / time).sqrt() * correlation
+/// Returns the velocity that is no motion, m/s.
+fn rest_velocity((settings, timing): (&ContactSettings, &ContactTiming), slope: f64, target: f64) -> f64 {
+    (REST * settings.metre).min(RESTORING * target / (slope * timing.contact))
+}
+
+/// Returns the rms noise of v_w, m/s, for that of the place of the surface, m: that of the second-order filter.
+fn rate_noise(timing: &ContactTiming, place: f64) -> f64 {
+    let kept = (-timing.period / timing.tracking).exp();
+    let [nearer, faster] = [1.0 - kept * kept, (1.0 - kept) * (1.0 - kept)];
+    let variance = 2.0 * faster * faster / (nearer * (4.0 - 2.0 * nearer - faster));
+    place / timing.period * variance.sqrt() * correlation(timing)
+}
+
+/// Returns the rms noise of the mean of v_w over τ_s, m/s, for that of the place of the surface, m.
+fn mean_noise(timing: &ContactTiming, place: f64) -> f64 {
+    let time = timing.surface;
+    place / time * (0.5 * timing.period / time).sqrt() * correlation(timing)
+}
+
+fn correlation(timing: &ContactTiming) -> f64 {
+    (1.0 + 2.0 * timing.sensor_lag / timing.period).sqrt()
 }
 
 /// Returns a value from twice a band on, less of it within, and nothing within the band.
 fn beyond(value: f64, band: f64) -> f64 {
-    value * ((value.abs() - band) / band).clamp(0.0, 1.0)
+    if value.abs() <= band { 0.0 } else { value * ((value.abs() - band) / band).min(1.0) }
 }
 
 /// Returns where a lag (s) sees a position that has moved from `before` by a way (m) in a time (s), at a constant speed; `seen`: where it saw it then.
@@ -231,62 +223,69 @@ mod tests {
         ContactTiming::new(0.002, Drive { lag_s: 0.005, delay_periods: 1 }, 0.0, 0.0)
     }
 
-    /// A held contact whose stiffness is known, on a surface at 0.
-    fn held() -> SurfaceMotion {
-        let (place, known) = (TARGET / STIFFNESS, StiffnessEstimate::NONE);
-        let means = StiffnessEstimate { mean_position: place, mean_force: TARGET, ..known };
-        let stiffness = StiffnessEstimate { upper: 2.0 * STIFFNESS, slope: STIFFNESS, ..means };
-        let tool = [place; 3];
-        SurfaceMotion { tool, stiffness, slope: STIFFNESS, ..SurfaceMotion::NONE }
+    /// A held contact whose stiffness is thought to be K_m, N/m, on a surface at 0.
+    fn held(slope: f64) -> SurfaceMotion {
+        let place = TARGET / STIFFNESS;
+        let stiffness = StiffnessEstimate {
+            upper: 2.0 * slope,
+            slope,
+            mean_position: place,
+            mean_force: TARGET,
+            followed: [place, TARGET],
+            ..StiffnessEstimate::NONE
+        };
+        SurfaceMotion { tool: [place; 2], stiffness, ..SurfaceMotion::NONE }
     }
 
-    /// Moves surface and tool for some periods, with velocities in m/s.
-    fn moved(mut motion: SurfaceMotion, [surface, tool]: [f64; 2], periods: usize) -> SurfaceMotion {
-        let (settings, timing, start) = (ContactSettings::default(), timing(), motion.tool[0] - TARGET / STIFFNESS);
-        for k in 1..=periods {
+    /// Moves surface and tool for some periods, with velocities in m/s at a time in s; returns the largest velocity that was fed forward, too.
+    fn moved(mut motion: SurfaceMotion, periods: usize, velocities: impl Fn(f64) -> [f64; 2]) -> (SurfaceMotion, f64) {
+        let (settings, timing) = (ContactSettings { noise: 0.02, ..ContactSettings::default() }, timing());
+        let (mut depth, mut largest) = (TARGET / STIFFNESS, 0.0_f64);
+        for k in 0..periods {
+            let [surface, tool] = velocities(k as f64 * timing.period);
             motion.advance(0.0, [tool * timing.period, timing.period]);
-            let force = STIFFNESS * (motion.tool[0] - start - surface * timing.period * k as f64);
-            motion.learn((&settings, &timing), [force, TARGET], (&Swing::NONE, true));
+            depth += (tool - surface) * timing.period;
+            let held = Held { surface_velocity: motion.velocity, is_asked: false };
+            motion.learn((&settings, &timing), [STIFFNESS * depth, TARGET], (&Swing::NONE, Some(held)));
+            largest = largest.max(motion.velocity.abs());
         }
-        motion
+        (motion, largest)
     }
 
     #[test]
     fn a_surface_that_moves_is_known_within_three_reaction_times() {
         // In 36 ms, whether the tool follows it or not.
         for (velocity, tool) in [(0.01, 1.0), (0.01, 0.8), (-0.01, 1.0), (-0.01, 0.5), (0.03, 0.9)] {
-            let motion = moved(held(), [velocity, tool * velocity], 18);
-            assert!((motion.velocity / velocity - 1.0).abs() < 0.05, "{velocity} {tool}: {motion:?}");
+            let (motion, _) = moved(held(STIFFNESS), 18, |_| [velocity, tool * velocity]);
+            assert!((motion.velocity / velocity - 1.0).abs() < 0.1, "{velocity} {tool}: {motion:?}");
         }
     }
 
     #[test]
-    fn a_tool_that_presses_deeper_is_no_surface_that_moves() {
-        // K_m is 20 % wrong.
-        let stiffness = StiffnessEstimate { upper: 2.4 * STIFFNESS, slope: 1.2 * STIFFNESS, ..held().stiffness };
-        let motion = moved(SurfaceMotion { stiffness, slope: 1.2 * STIFFNESS, ..held() }, [0.0, 0.01], 18);
-        assert!(motion.velocity.abs() < 1e-3, "{motion:?}");
+    fn a_surface_that_swings_is_foreseen_by_the_reaction_time() {
+        // 1 Hz and 3 mm: the velocity changes by 1.2 mm/s while the tool follows, and by up to 19 mm/s in all.
+        let velocity = |time: f64| 0.019 * (std::f64::consts::TAU * time).sin();
+        let (motion, _) = moved(held(STIFFNESS), 575, |time| [velocity(time); 2]);
+        let now = 574.0 * timing().period;
+        let ahead = velocity(now + timing().following);
+        assert!((motion.velocity - ahead).abs() < 6e-4, "{ahead}: {motion:?}");
+        assert!((motion.velocity - velocity(now)).abs() > 6e-4, "without what the acceleration adds: {motion:?}");
     }
 
     #[test]
     fn a_contact_that_has_become_stiffer_is_no_surface_that_moves() {
-        let slope = 0.1 * STIFFNESS;
         for own in [0.01, -0.01] {
-            let stiffness = StiffnessEstimate { upper: 2.0 * slope, slope, ..held().stiffness };
-            let means = [held().tool[1] - TARGET / slope; 2];
-            let motion = moved(SurfaceMotion { stiffness, means, slope, ..held() }, [0.0, own], 4);
-            assert!((motion.velocity - motion.slow).abs() < 1e-9, "{own}: {motion:?}");
+            let (motion, largest) = moved(held(0.1 * STIFFNESS), 6, |_| [0.0, own]);
+            assert!(largest == 0.0, "{own}: {motion:?}");
         }
     }
 
     #[test]
-    fn a_force_that_moves_against_the_tool_refutes_a_stiffness() {
-        // The tool retreats and the force rises, or the tool advances and the force falls; with a spring both go together.
-        for (surface, tool, is_stiff) in [(-0.02, -0.01, false), (0.02, 0.01, false), (0.0, 0.01, true)] {
-            let stiffness = StiffnessEstimate { upper: 20.0 * STIFFNESS, ..held().stiffness };
-            let motion = moved(SurfaceMotion { stiffness, ..held() }, [surface, tool], 30);
-            assert_eq!(motion.stiffness.upper > 2.1 * STIFFNESS, is_stiff, "{surface} {tool}: {motion:?}");
-        }
+    fn what_would_enlarge_the_error_of_the_force_is_not_fed_forward() {
+        // The surface seems to leave, and the force is above its target.
+        assert!(useful_share(0.01, [33.0, 30.0]) < 0.7);
+        assert!(useful_share(0.01, [39.0, 30.0]).abs() < 1e-9);
+        assert!(useful_share(-0.01, [39.0, 30.0]) == 1.0 && useful_share(0.01, [20.0, 30.0]) == 1.0);
     }
 
     #[test]
@@ -296,7 +295,7 @@ mod tests {
         motion.touch(&settings, 10.0);
         for k in 0..100 {
             motion.advance(0.0, [-0.02 * timing.period, timing.period]);
-            motion.learn((&settings, &timing), [10.0 + f64::from(k), TARGET], (&Swing::NONE, false));
+            motion.learn((&settings, &timing), [10.0 + f64::from(k), TARGET], (&Swing::NONE, None));
         }
         assert!(motion.velocity < -0.015 && motion.velocity >= -0.02, "{motion:?}");
     }

@@ -2,7 +2,7 @@
 
 use super::approach::{largest_approach_speed, unavoidable_peak};
 use super::axis::{ContactAxis, ContactPhase, FaultCause, HELD};
-use super::estimate::StiffnessEstimate;
+use super::estimate::{Held, StiffnessEstimate};
 use super::report::ContactReport;
 use super::settings::ContactSettings;
 use super::swing::Swing;
@@ -31,6 +31,12 @@ const SLOWLY_AWAY: f64 = 0.1;
 
 /// Share of F_d within which a force does not count as away: an axis that is not the normal of the surface keeps an error while the tool slides.
 const STAYS: f64 = 0.3;
+
+/// Share of F_d by which it differs from its mean over the window if it has changed.
+const ASKED: f64 = 0.05;
+
+/// Factor of swings above which the stiffness is learnt anew.
+const RELEARNT: f64 = 4.0;
 
 /// How near that is: a share of F_d, or of f₅.
 const NEAR: (f64, f64) = (0.1, 1.0);
@@ -220,12 +226,13 @@ impl Step<'_> {
                 axis.estimate = StiffnessEstimate::start(settings, position, force);
                 axis.swing = Swing::NONE;
                 axis.motion.touch(settings, force);
+                axis.mean_target = self.input.target;
                 (axis.surface, axis.return_speed) = (position, speed);
                 (axis.contact_time, axis.hold_time) = (0.0, 0.0);
             }
             ContactPhase::Loss if force > threshold => {
                 axis.phase = ContactPhase::Contact;
-                axis.estimate.restart_means(position, force);
+                axis.estimate.restart([position, force], axis.motion.velocity);
                 axis.motion.find_again(force);
                 axis.contact_time = 0.0;
             }
@@ -251,30 +258,46 @@ impl Step<'_> {
 
     /// Learns stiffness, place of the surface and swings.
     fn learn(&mut self) {
-        let (terms, axis, force) = ((self.settings, self.timing), &mut *self.axis, self.input.force);
-        axis.contact_time += self.timing.period;
-        let error = (force - self.input.target).abs();
-        axis.hold_time = if error < near(self.settings, self.input.target) {
-            (axis.hold_time + self.timing.period).min(HELD)
+        let (terms, forces) = ((self.settings, self.timing), [self.input.force, self.input.target]);
+        self.axis.contact_time += self.timing.period;
+        let is_asked = self.is_asked();
+        self.axis.hold_time = self.hold_time(is_asked);
+        let axis = &mut *self.axis;
+        let held = Held { surface_velocity: axis.motion.velocity, is_asked };
+        let held = (axis.hold_time > 0.5 * HELD).then_some(held);
+        axis.estimate.learn(terms, (axis.sensed_position, forces[0]), held);
+        if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
+            axis.surface = axis.sensed_position - forces[0] / axis.estimate.best();
+        }
+        axis.motion.learn(terms, forces, (&axis.swing, held));
+        axis.swing.update(terms, forces[0] - forces[1], forces[1]);
+    }
+
+    /// Returns the clock of a held contact after this period, s; `is_asked`: the target has changed.
+    fn hold_time(&self, is_asked: bool) -> f64 {
+        let (axis, target, period) = (&*self.axis, self.input.target, self.timing.period);
+        let error = (self.input.force - target).abs();
+        if axis.swing.factor > RELEARNT {
+            0.0
+        } else if error < near(self.settings, target) {
+            (axis.hold_time + period).min(HELD)
         } else if axis.hold_time > 0.5 * HELD {
             // While the motion of the surface explains the force, the stiffness is not learnt anew.
-            let stays = error < STAYS * self.input.target;
-            let is_explained = axis.motion.is_changing(self.timing) || stays && axis.motion.slow != 0.0;
+            let stays = error < STAYS * target;
+            let is_moving = axis.motion.is_seen(self.timing) || stays && axis.motion.velocity != 0.0;
             let unexplained = if stays { SLOWLY_AWAY } else { AWAY };
-            let away = if is_explained { 0.0 } else { unexplained };
-            (axis.hold_time - away * self.timing.period).max(0.0)
+            let away = if is_moving && !is_asked { 0.0 } else { unexplained };
+            (axis.hold_time - away * period).max(0.0)
         } else {
             0.0
-        };
-        let is_held = axis.hold_time > 0.5 * HELD;
-        axis.estimate.learn(terms, (axis.sensed_position, force), (is_held, axis.motion.slow));
-        if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
-            axis.surface = axis.sensed_position - force / axis.estimate.best();
         }
-        if axis.motion.learn(terms, [force, self.input.target], (&axis.swing, is_held)) {
-            axis.estimate.refute();
-        }
-        axis.swing.update(terms, force - self.input.target, self.input.target);
+    }
+
+    /// Returns whether the target has changed within the window of the estimator.
+    fn is_asked(&mut self) -> bool {
+        let (target, mean) = (self.input.target, &mut self.axis.mean_target);
+        *mean += self.timing.period / self.timing.window * (target - *mean);
+        (target - *mean).abs() > ASKED * target
     }
 
     /// Approaches again if a lost surface is not where it was.

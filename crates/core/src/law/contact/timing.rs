@@ -20,6 +20,9 @@ const MIN_FALL_TIME: f64 = 0.03;
 /// τ_s over τ_c.
 const SURFACE_REACTIONS: f64 = 8.0;
 
+/// τ_t over the reaction time and over the period.
+const TRACKING: (f64, f64) = (0.5, 2.0);
+
 /// Smallest time in which the swing factor decays, s, and that time over the reaction time.
 const SWING_DECAY: (f64, f64) = (0.3, 10.0);
 
@@ -46,6 +49,8 @@ pub struct ContactTiming {
     pub fall: f64,
     /// τ_s, time constant of the velocity of the surface.
     pub surface: f64,
+    /// τ_t, time constant with which position and force are followed while the contact is held.
+    pub tracking: f64,
     /// L + D T + τ_f, by which a tool that moves steadily is ahead of the force sensor.
     pub following: f64,
     /// Time in which the swing factor decays by the factor e.
@@ -69,6 +74,7 @@ impl ContactTiming {
             window: (WINDOW.1 * reaction).max(WINDOW.0),
             fall: reaction.max(MIN_FALL_TIME),
             surface: SURFACE_REACTIONS * (CONTACT_REACTIONS * reaction).max(MIN_CONTACT_TIME),
+            tracking: (TRACKING.0 * reaction).max(TRACKING.1 * period),
             following: drive.lag_s + drive.delay_periods as f64 * period + sensor_lag,
             swing_decay: (SWING_DECAY.1 * reaction).max(SWING_DECAY.0),
         }
