@@ -53,6 +53,17 @@ fn sessions_and_stateless_steps_press_with_the_same_bytes_and_tell_the_contact()
     assert_eq!(states, ["approach", "contact"]);
     assert!((2e4 * depth - 15.0).abs() < 0.1, "{depth}");
     assert_eq!(memory["contacts"][0]["state"], "contact");
+    // A memory from before the filters has none of them, and a place where the velocity of the surface is now.
+    assert_eq!(memory["contacts"][0]["followed"].as_array().map(Vec::len), Some(8));
+    for place in ["/contacts/0", "/contacts/0/measured"] {
+        memory.pointer_mut(place).and_then(Value::as_object_mut).unwrap().remove("followed");
+    }
+    memory["contacts"][0].as_object_mut().unwrap().remove("mean_target_force");
+    memory["contacts"][0]["measured"]["surface_motion"] = json!([0.01, 0.0, 0.0]);
+    let state = state(600, &q, -(2e4 * depth));
+    let answer = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": memory}));
+    let contact = &answer["tasks"][0]["contact"][0];
+    assert!(contact["state"] == "contact" && contact["surface_velocity"] == 0.0, "{contact}");
 }
 
 /// A plane that rises along y, with friction.

@@ -154,7 +154,7 @@ impl StiffnessEstimate {
         self.mean_force += share * f;
     }
 
-    /// Learns from a sample, if a motion of the size of a noise, N, does not explain it; `noises`: that, and the noise of the force.
+    /// Learns from a sample whose motion exceeds what noise or a surface explains, `motion` over K̂; `noise`: σ of its force. Both are N.
     fn teach(
         &mut self,
         terms: (&ContactSettings, &ContactTiming),
