@@ -75,7 +75,7 @@ pub(super) struct Held {
     /// Velocity of the surface, m/s.
     pub surface_velocity: f64,
     /// Whether the target has changed within the window.
-    pub is_asked: bool,
+    pub target_has_changed: bool,
 }
 
 impl StiffnessEstimate {
@@ -139,7 +139,7 @@ impl StiffnessEstimate {
         let (x, f) = (position - self.mean_position, force - self.mean_force);
         if let Some(held) = held {
             // A force that falls as the tool goes deeper is no stiffness: the surface moves.
-            let is_caused = held.is_asked && held.surface_velocity == 0.0 && x * f >= 0.0;
+            let is_caused = held.target_has_changed && held.surface_velocity == 0.0 && x * f >= 0.0;
             if is_caused {
                 self.teach(terms, (x, f), [settings.noise; 2], true);
             }
@@ -301,7 +301,7 @@ mod tests {
         let settings = ContactSettings::default();
         let mut estimate = after_motion(1e3, 0.03);
         let (x, f) = (estimate.mean_position + 0.005, estimate.mean_force + 250.0);
-        estimate.learn((&settings, &timing()), (x, f), Some(Held { surface_velocity: 0.0, is_asked: true }));
+        estimate.learn((&settings, &timing()), (x, f), Some(Held { surface_velocity: 0.0, target_has_changed: true }));
         assert!(estimate.upper > 1.24 * 49_000.0, "{estimate:?}");
     }
 }

@@ -245,7 +245,7 @@ mod tests {
             let [surface, tool] = velocities(k as f64 * timing.period);
             motion.advance(0.0, [tool * timing.period, timing.period]);
             depth += (tool - surface) * timing.period;
-            let held = Held { surface_velocity: motion.velocity, is_asked: false };
+            let held = Held { surface_velocity: motion.velocity, target_has_changed: false };
             motion.learn((&settings, &timing), [STIFFNESS * depth, TARGET], (&Swing::NONE, Some(held)));
             largest = largest.max(motion.velocity.abs());
         }

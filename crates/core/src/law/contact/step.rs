@@ -33,7 +33,7 @@ const SLOWLY_AWAY: f64 = 0.1;
 const STAYS: f64 = 0.3;
 
 /// Share of F_d by which it differs from its mean over the window if it has changed.
-const ASKED: f64 = 0.05;
+const CHANGED: f64 = 0.05;
 
 /// Factor of swings above which the stiffness is learnt anew.
 const RELEARNT: f64 = 4.0;
@@ -260,10 +260,10 @@ impl Step<'_> {
     fn learn(&mut self) {
         let (terms, forces) = ((self.settings, self.timing), [self.input.force, self.input.target]);
         self.axis.contact_time += self.timing.period;
-        let is_asked = self.is_asked();
-        self.axis.hold_time = self.hold_time(is_asked);
+        let target_has_changed = self.target_has_changed();
+        self.axis.hold_time = self.hold_time(target_has_changed);
         let axis = &mut *self.axis;
-        let held = Held { surface_velocity: axis.motion.velocity, is_asked };
+        let held = Held { surface_velocity: axis.motion.velocity, target_has_changed };
         let held = (axis.hold_time > 0.5 * HELD).then_some(held);
         axis.estimate.learn(terms, (axis.sensed_position, forces[0]), held);
         if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
@@ -273,8 +273,8 @@ impl Step<'_> {
         axis.swing.update(terms, forces[0] - forces[1], forces[1]);
     }
 
-    /// Returns the clock of a held contact after this period, s; `is_asked`: the target has changed.
-    fn hold_time(&self, is_asked: bool) -> f64 {
+    /// Returns the clock of a held contact after this period, s; `target_has_changed`: the target has changed.
+    fn hold_time(&self, target_has_changed: bool) -> f64 {
         let (axis, target, period) = (&*self.axis, self.input.target, self.timing.period);
         let error = (self.input.force - target).abs();
         if axis.swing.factor > RELEARNT {
@@ -286,7 +286,7 @@ impl Step<'_> {
             let stays = error < STAYS * target;
             let is_moving = axis.motion.is_seen(self.timing) || stays && axis.motion.velocity != 0.0;
             let unexplained = if stays { SLOWLY_AWAY } else { AWAY };
-            let away = if is_moving && !is_asked { 0.0 } else { unexplained };
+            let away = if is_moving && !target_has_changed { 0.0 } else { unexplained };
             (axis.hold_time - away * period).max(0.0)
         } else {
             0.0
@@ -294,10 +294,10 @@ impl Step<'_> {
     }
 
     /// Returns whether the target has changed within the window of the estimator.
-    fn is_asked(&mut self) -> bool {
+    fn target_has_changed(&mut self) -> bool {
         let (target, mean) = (self.input.target, &mut self.axis.mean_target);
         *mean += self.timing.period / self.timing.window * (target - *mean);
-        (target - *mean).abs() > ASKED * target
+        (target - *mean).abs() > CHANGED * target
     }
 
     /// Approaches again if a lost surface is not where it was.
