@@ -16,6 +16,9 @@ use crate::linalg::Vector;
 /// Parts of a period at which the true distance is looked at.
 const PARTS: usize = 8;
 
+/// Depth, m, from which on two shapes may lose more: their normal turns fast where their cores cross.
+const DEEP: f64 = 0.05;
+
 /// Number of periods in which a lag settles.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive and small")]
 fn settling(lag: f64, period: f64) -> usize {
@@ -49,7 +52,8 @@ fn fine_way(start: Start, commands: &[Vec<f64>]) -> Vec<Vec<f64>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// The bound is below the distance at every time; for an arm that moved uniformly, no more than a millimetre below it.
+    /// The bound is below the distance at every time; for an arm that moved uniformly and shapes that are not deep inside each other, no
+    /// more than a millimetre below it.
     #[test]
     fn the_bound_holds_at_all_times(
         posture in prop::collection::vec(0.0..1.0_f64, 7),
@@ -109,7 +113,8 @@ proptest! {
             let settling = pair.obstacle_speed(world) * 2.0 * lag;
             let lost = least - deficit.bound;
             let allowed = 1e-3 * (period / 0.004).max(1.0).powi(2) + settling;
-            prop_assert!(!uniform || lost < allowed, "{}: {lost} m lost", pair.name);
+            let is_deep = least < -DEEP - scene.min_distance;
+            prop_assert!(!uniform || is_deep || lost < allowed, "{}: {lost} m lost", pair.name);
         }
     }
 }
