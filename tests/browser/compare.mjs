@@ -45,14 +45,14 @@ function csv({ swing = 0.6, separator = ',', hasTarget = true, names = JOINTS } 
   return `# a comment\n${lines.map((line) => line.join(separator)).join('\n')}\n`;
 }
 
-/** Reads files in the page: facts of each recording, or the message of the error. */
+/** Reads files in the page, texts or bytes: facts of each recording, or the message of the error. */
 const read = (page, files) => page.evaluate(async (files) => {
   const { readRecording } = await import('/dashboard/recording.js');
   const { robots } = await (await fetch('/v1/robots')).json();
   const panda = robots.find(({ name }) => name === 'panda');
   return Promise.all(files.map(async ([name, content]) => {
     try {
-      const { robot, times, duration, targets, suspicious, ...recording } = await readRecording(new File([content], name), [panda, ...robots]);
+      const { robot, times, duration, targets, suspicious, ...recording } = await readRecording(new File([Array.isArray(content) ? new Uint8Array(content) : content], name), [panda, ...robots]);
       return { name: recording.name, robot, rows: times.length, duration: Math.round(1e6 * duration) / 1e6, hasTarget: targets !== null, suspicious: suspicious.length, last: recording.positions.at(-1) };
     } catch (error) {
       return error.message;
@@ -66,10 +66,12 @@ test('recordings are read as CSV, JSON and JSON lines, with the robot whose join
   const lines = positions.map((joint_position, i) => JSON.stringify({ time_s: i / 2, joint_position, status: 'optimal' })).join('\n');
   const scenario = await (await fetch(`${service.url}/v1/scenarios/joint_limits`)).json();
   const own = await trace(scenario);
+  const german = csv({ separator: ';' }).replaceAll('.', ',');
   const found = await read(page, [
     ['a.csv', csv()], ['b.txt', csv({ separator: ';', hasTarget: false }).replaceAll('\n', '\r\n')], ['c.csv', `\uFEFF${csv({ separator: '\t' })}`],
     ['d.json', named], ['e.jsonl', lines], ['f.csv', csv({ names: JOINTS.map((name) => `position_${name}_rad`) })], ['g.csv', own],
     ['h.csv', `time,${JOINTS}\n0,${HOME.map((value) => (value * 180) / Math.PI)}\n1,${HOME.map((value) => (value * 180) / Math.PI)}`],
+    ['i.csv', german], ['j.csv', [...Buffer.from(`\uFEFF${german}`, 'utf16le')]], ['k.csv', [...Buffer.from(`\uFEFF${german}`, 'utf16le').swap16()]],
   ]);
   const common = { robot: 'panda', rows: 201, duration: 4, hasTarget: true, suspicious: 0, last: HOME };
   assert.deepEqual(found[0], { ...common, name: 'a' });
@@ -81,6 +83,7 @@ test('recordings are read as CSV, JSON and JSON lines, with the robot whose join
   assert.equal(found[6].robot, 'sawyer_dh', 'a trace of the service');
   assert.ok(found[6].rows > 500, `${found[6].rows} rows`);
   assert.ok(found[7].suspicious > 3, 'degrees are suspicious');
+  ['i', 'j', 'k'].forEach((name, i) => assert.deepEqual(found[8 + i], { ...common, name }, 'a decimal comma'));
 }));
 
 /** Simulates the start of a scenario and returns its trace as CSV. */

@@ -1,6 +1,6 @@
 // A recording of an arm as a ghost: its posture, its tool and its target at any time.
 
-import { MAX_BYTES, TARGETS, jointColumns, listed, numberOf, readTable } from './recording_file.js';
+import { MAX_BYTES, TARGETS, jointColumns, listed, numberOf, readTable, textOf } from './recording_file.js';
 
 /**
  * @typedef {import('./kinematics.js').Kinematics} Kinematics
@@ -107,7 +107,7 @@ function between(times, rows, time) {
  */
 export async function readRecording(file, robots) {
   if (file.size > MAX_BYTES) throw new Error(`${file.name} has ${Math.round(file.size / 1e6)} MB; recordings up to ${MAX_BYTES / 1e6} MB are read, so leave out columns or rows`);
-  const table = readTable(file.name, await file.text());
+  const table = readTable(file.name, textOf(await file.arrayBuffer()));
   const { robot, columns } = robotOf(file.name, table, robots);
   const start = table.times[0];
   const positions = table.times.map((_, row) => columns.map((column, joint) => {

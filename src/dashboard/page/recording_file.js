@@ -19,6 +19,13 @@ const TIMES = ['time_s', 'time', 't'];
 /** Largest number of columns that a message names. */
 const MAX_NAMES = 8;
 
+/** Returns the text of a file; spreadsheets also write UTF-16, with a mark of it. @type {(bytes: ArrayBuffer) => string} */
+export function textOf(bytes) {
+  const [first, second] = new Uint8Array(bytes);
+  const encoding = first === 0xff && second === 0xfe ? 'utf-16le' : first === 0xfe && second === 0xff ? 'utf-16be' : 'utf-8';
+  return new TextDecoder(encoding).decode(bytes);
+}
+
 /** Reads a file. @type {(file: string, text: string) => Table} */
 export function readTable(file, text) {
   const start = text.trimStart();
@@ -37,19 +44,20 @@ function thinned(table) {
   return { ...table, times: times.filter((_, row) => row % step === 0), cell: (column, row) => cell(column, step * row), place: (row) => place(step * row) };
 }
 
-/** @type {(file: string, text: string) => Table} */
+/** Where a comma does not separate cells, it is the decimal comma of spreadsheets. @type {(file: string, text: string) => Table} */
 function fromCsv(file, text) {
-  const lines = text.replace(/^\uFEFF/, '').split(/\r?\n/);
+  const lines = text.split(/\r?\n/);
   const kept = lines.flatMap((line, i) => (line.trim() === '' || line.startsWith('#') ? [] : [i]));
   const header = lines[kept[0]] ?? '';
   const separator = [',', ';', '\t'].find((mark) => header.includes(mark)) ?? ',';
   const names = header.split(separator).map((word) => word.trim().replace(/^"(.*)"$/, '$1'));
+  const cellsOf = (/** @type {string} */ line) => line.split(separator).map((text) => (separator === ',' ? text : text.replace(',', '.')));
   const time = names.findIndex((name) => TIMES.includes(name));
   if (time < 0) throw new Error(`${file} has no column time_s; its first line must name time_s and the joints, and starts with “${header.slice(0, 60)}”`);
   // The cells of one row at a time: those of a long file would need much memory.
   let shown = { row: -1, cells: /** @type {string[]} */ ([]) };
   const cell = (/** @type {number} */ column, /** @type {number} */ row) => {
-    if (shown.row !== row) shown = { row, cells: lines[kept[row + 1]].split(separator) };
+    if (shown.row !== row) shown = { row, cells: cellsOf(lines[kept[row + 1]]) };
     return shown.cells[column];
   };
   const times = Array.from({ length: Math.max(0, kept.length - 1) }, (_, row) => numberOf(cell(time, row)));
