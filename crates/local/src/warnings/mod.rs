@@ -55,19 +55,11 @@ pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> V
 
 /// The numbers of a contact law may contradict each other.
 fn contradictory_contacts(request: &wire::Controller, config: &ControllerConfig) -> impl Iterator<Item = String> {
-    config.contact_contradictions().map(|(k, found)| {
+    config.contact_contradictions().map(|([k, row], found)| {
         let wire::ControllerTask { name, axes, .. } = &request.tasks[k];
-        format!("task `{name}`, {}", with_axis(&found.to_string(), axes.as_deref().unwrap_or_default()))
+        let axis = axes.as_ref().and_then(|axes| axes.get(row)).map_or((row + 1).to_string(), ToString::to_string);
+        format!("task `{name}`, axis {axis}: {found}")
     })
-}
-
-/// Replaces `axis 1`, with which a text about a row begins, by the name of the axis.
-fn with_axis(text: &str, axes: &[wire::Axis]) -> String {
-    let named = text.strip_prefix("axis ").and_then(|text| text.split_once(':')).and_then(|(number, rest)| {
-        let row: usize = number.parse().ok()?;
-        Some(format!("axis {}:{rest}", axes.get(row.checked_sub(1)?)?))
-    });
-    named.unwrap_or_else(|| text.to_owned())
 }
 
 /// A drive may trip when commands change faster than it can.

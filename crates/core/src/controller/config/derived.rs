@@ -73,12 +73,12 @@ impl ControllerConfig {
         self.wrench_sensors.iter().find(|sensor| Some(sensor.tip) == tip)
     }
 
-    /// Returns the numbers of contact laws that contradict each other, with the indices of their tasks.
-    pub fn contact_contradictions(&self) -> impl Iterator<Item = (usize, ContactContradiction)> {
+    /// Returns the numbers of contact laws that contradict each other, with the indices of their tasks and rows.
+    pub fn contact_contradictions(&self) -> impl Iterator<Item = ([usize; 2], ContactContradiction)> {
         let laws = self.tasks.iter().enumerate().filter_map(|(k, task)| Some((k, task.law.contact()?)));
         laws.flat_map(|(k, law)| {
             let deadband = self.sensor_of(k).map_or([0.0; 2], |sensor| sensor.deadband);
-            law.contradictions(deadband).map(move |found| (k, found))
+            law.contradictions(deadband).map(move |(row, found)| ([k, row], found))
         })
     }
 

@@ -12,8 +12,6 @@ const PEAK_SHARE: f64 = 1.2;
 pub enum ContactContradiction {
     /// The limit of the force is below its target, so the tool retreats from every contact.
     LimitBelowTarget {
-        /// Row, from 0.
-        row: usize,
         /// The limit, N.
         max_force: f64,
         /// The target, N.
@@ -21,8 +19,6 @@ pub enum ContactContradiction {
     },
     /// The limit is so near the target that the peak of an impact exceeds it.
     LimitNearTarget {
-        /// Row, from 0.
-        row: usize,
         /// The limit, N.
         max_force: f64,
         /// The target, N.
@@ -30,8 +26,6 @@ pub enum ContactContradiction {
     },
     /// The target is below what is told from noise and bias, so the law presses harder.
     TargetBelowNoise {
-        /// Row, from 0.
-        row: usize,
         /// The target, N.
         target: f64,
         /// f₅, the smallest force that the law presses with, N.
@@ -39,8 +33,6 @@ pub enum ContactContradiction {
     },
     /// The target has both signs, and the law presses in one direction.
     OtherSign {
-        /// Row, from 0.
-        row: usize,
         /// The target that is farthest from zero, N.
         target: f64,
         /// The target of the other sign that is farthest from zero, N.
@@ -50,8 +42,6 @@ pub enum ContactContradiction {
     },
     /// The deadband of the sensor hides the end of a contact.
     Deadband {
-        /// Row, from 0.
-        row: usize,
         /// The deadband, N.
         deadband: f64,
         /// f_off, the force below which a contact ends, N.
@@ -62,60 +52,55 @@ pub enum ContactContradiction {
 impl fmt::Display for ContactContradiction {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match *self {
-            Self::LimitBelowTarget { row, max_force, target } => write!(
+            Self::LimitBelowTarget { max_force, target } => write!(
                 f,
-                "axis {}: `max_force` {max_force} is below the target force {target}, so the tool retreats from every contact; give more",
-                row + 1
+                "`max_force` {max_force} is below the target force {target}, so the tool retreats from every contact; give more"
             ),
-            Self::LimitNearTarget { row, max_force, target } => write!(
+            Self::LimitNearTarget { max_force, target } => write!(
                 f,
-                "axis {}: `max_force` {max_force} is less than {PEAK_SHARE} times the target force {target}, and an impact may reach that; \
-                 give more, or the tool retreats from it",
-                row + 1
+                "`max_force` {max_force} is less than {PEAK_SHARE} times the target force {target}, and an impact may reach that; \
+                 give more, or the tool retreats from it"
             ),
-            Self::Deadband { row, deadband, release } => write!(
+            Self::Deadband { deadband, release } => write!(
                 f,
-                "axis {}: the deadband {deadband} of `wrench_sensor` is above {release}, below which a contact ends, so contacts are told late \
-                 and lost early; give less",
-                row + 1
+                "the deadband {deadband} of `wrench_sensor` is above {release}, below which a contact ends, so contacts are told late \
+                 and lost early; give less"
             ),
-            Self::OtherSign { row, target, other, least } => write!(
+            Self::OtherSign { target, other, least } => write!(
                 f,
-                "axis {}: the target force changes its sign, from {target} to {other}, and the tool presses with {least} in the direction of \
-                 {target} instead; give targets of one sign, or press the other way with another controller",
-                row + 1
+                "the target force changes its sign, from {target} to {other}, and the tool presses with {least} in the direction of \
+                 {target} instead; give targets of one sign, or press the other way with another controller"
             ),
-            Self::TargetBelowNoise { row, target, least } => write!(
+            Self::TargetBelowNoise { target, least } => write!(
                 f,
-                "axis {}: the target force {target} is below 5 times `noise` plus `bias`, so the tool presses with {least}; use a better \
-                 sensor, or state less noise if it has less",
-                row + 1
+                "the target force {target} is below 5 times `noise` plus `bias`, so the tool presses with {least}; use a better \
+                 sensor, or state less noise if it has less"
             ),
         }
     }
 }
 
 impl ContactLaw {
-    /// Returns the numbers that contradict each other; `deadband`: that of the sensor, N and N·m.
-    pub fn contradictions(&self, deadband: [f64; 2]) -> impl Iterator<Item = ContactContradiction> {
+    /// Returns the numbers that contradict each other, with their row, from 0; `deadband`: that of the sensor, N and N·m.
+    pub fn contradictions(&self, deadband: [f64; 2]) -> impl Iterator<Item = (usize, ContactContradiction)> {
         let (largest, [lower, upper]) = (self.target_force().largest(), self.target_force().range());
         let axes = self.axes().iter().zip(largest).enumerate();
         axes.flat_map(move |(row, (settings, target))| {
             let other = if target > 0.0 { lower[row] } else { upper[row] };
             let least = settings.threshold();
-            let sign = (other != 0.0).then_some(ContactContradiction::OtherSign { row, target, other, least });
+            let sign = (other != 0.0).then_some(ContactContradiction::OtherSign { target, other, least });
             let (target, max_force) = (target.abs(), settings.max_force);
             let limit = if max_force < target.max(least) {
-                Some(ContactContradiction::LimitBelowTarget { row, max_force, target: target.max(least) })
+                Some(ContactContradiction::LimitBelowTarget { max_force, target: target.max(least) })
             } else if max_force < PEAK_SHARE * target {
-                Some(ContactContradiction::LimitNearTarget { row, max_force, target })
+                Some(ContactContradiction::LimitNearTarget { max_force, target })
             } else {
                 None
             };
-            let noise = (target < least).then_some(ContactContradiction::TargetBelowNoise { row, target, least });
+            let noise = (target < least).then_some(ContactContradiction::TargetBelowNoise { target, least });
             let (deadband, release) = (deadband[usize::from(settings.is_angular())], settings.release());
-            let deadband = (deadband > release).then_some(ContactContradiction::Deadband { row, deadband, release });
-            [limit, noise, sign, deadband].into_iter().flatten()
+            let deadband = (deadband > release).then_some(ContactContradiction::Deadband { deadband, release });
+            [limit, noise, sign, deadband].into_iter().flatten().map(move |found| (row, found))
         })
     }
 }
