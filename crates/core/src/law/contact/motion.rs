@@ -24,7 +24,7 @@ const SIGMAS: f64 = 3.0;
 /// surface: K/K_m − 1 behind filters, and a margin.
 const STIFFER: f64 = 30.0;
 
-/// The same multiple from which on feeding it forward keeps a swing going: K/K_m − 1.
+/// Multiple of what the tool adds to a steady velocity, in the other direction, from which on feeding it forward keeps a swing going: K/K_m − 1.
 const FED_BACK: f64 = 2.0;
 
 /// Time of the short mean over τ_t.
@@ -138,7 +138,7 @@ impl SurfaceMotion {
             seen + (timing.following + short) * beyond(acceleration, SIGMAS * noise / short)
         };
         if self.lasts > OVER * timing.reaction {
-            // The long mean goes on with that velocity.
+            // The long mean goes on with that velocity. Swings that never turn it around are fed forward all the same.
             self.means[0] = seen;
         }
         let velocity = velocity * useful_share(velocity, forces);
@@ -175,8 +175,8 @@ fn looks_like_a_stiffer_contact(velocity: f64, own: f64) -> bool {
     velocity * own < 0.0 && velocity.abs() < STIFFER * own.abs()
 }
 
-/// Returns whether what a velocity adds to its mean (m/s) comes from what the tool adds to it: of a contact that is several times as stiff as K_m,
-/// while its surface moves steadily. Fed forward, it would keep the tool swinging.
+/// Returns whether what a velocity adds to its long mean (m/s) comes from what the tool's own velocity adds to it (m/s). So it looks in a contact
+/// that is several times as stiff as K_m, on a surface that moves steadily. Fed forward, it would keep the tool swinging.
 fn feeds_itself(added: f64, own: f64) -> bool {
     looks_like_a_stiffer_contact(added, own) && added.abs() > FED_BACK * own.abs()
 }
