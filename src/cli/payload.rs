@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use revprio_api::wire::{
-    JointVector, PayloadAnswer, PayloadReading, PayloadRequest, Wrench, WrenchConvention, WrenchFrame,
+    JointVector, PayloadAnswer, PayloadReading, PayloadRequest, Pose, Wrench, WrenchConvention, WrenchFrame,
 };
 
 use super::error::CliError;
@@ -26,6 +26,16 @@ pub struct Options {
     /// Name of the robot whose postures the readings have
     #[arg(long)]
     robot: Option<String>,
+    /// Tip before which the sensor is, by its name; the tool if it is left out
+    #[arg(long)]
+    tip: Option<String>,
+    /// Pose of the sensor in the robot's own tool frame, in JSON as in a request:
+    /// '{"position": [0, 0, 0.1], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}'
+    #[arg(long, value_parser = pose)]
+    pose: Option<Pose>,
+    /// Acceleration of gravity along the axes of the base, m/s², for an arm that is not mounted upright [default: 0,0,-9.81]
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    gravity: Option<[f64; 3]>,
     /// The readings are the wrench on the tool, as most wrist sensors give it
     #[arg(long)]
     on_tool: bool,
@@ -48,15 +58,7 @@ pub struct Options {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let mut request = read(&options.file)?;
-    request.robot = options.robot.clone().or(request.robot);
-    if options.on_tool {
-        request.wrench_convention = WrenchConvention::OnTool;
-    }
-    if options.base_axes {
-        request.wrench_frame = WrenchFrame::Base;
-    }
-    request.force_noise_n = options.force_noise_n.unwrap_or(request.force_noise_n);
-    request.torque_noise_nm = options.torque_noise_nm.unwrap_or(request.torque_noise_nm);
+    options.replace_fields(&mut request)?;
     let answer = Target::open(options.server.as_deref())?.client.payload(&request)?;
     if options.json {
         let json = serde_json::to_string_pretty(&answer);
@@ -64,6 +66,48 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         return Ok(print_text(json + "\n")?);
     }
     Ok(print_text(describe(&answer))?)
+}
+
+impl Options {
+    /// Replaces fields of a request by the options that are given.
+    fn replace_fields(&self, request: &mut PayloadRequest) -> Result<(), CliError> {
+        let for_postures =
+            [("--tip", self.tip.is_some()), ("--pose", self.pose.is_some()), ("--gravity", self.gravity.is_some())];
+        if let Some((option, _)) = for_postures.iter().find(|(_, is_given)| *is_given)
+            && request.readings.iter().any(|reading| reading.gravity.is_some())
+        {
+            let detail =
+                "the readings have gravity along the axes of the sensor; this option is for readings with postures";
+            return Err(CliError::Option { option: (*option).to_owned(), detail: detail.to_owned() });
+        }
+        request.robot = self.robot.clone().or(request.robot.take());
+        request.tip = self.tip.clone().or(request.tip.take());
+        request.pose = self.pose.or(request.pose.take());
+        request.gravity = self.gravity.unwrap_or(request.gravity);
+        if self.on_tool {
+            request.wrench_convention = WrenchConvention::OnTool;
+        }
+        if self.base_axes {
+            request.wrench_frame = WrenchFrame::Base;
+        }
+        request.force_noise_n = self.force_noise_n.unwrap_or(request.force_noise_n);
+        request.torque_noise_nm = self.torque_noise_nm.unwrap_or(request.torque_noise_nm);
+        Ok(())
+    }
+}
+
+/// Reads a pose in JSON.
+fn pose(text: &str) -> Result<Pose, String> {
+    let example = r#"give {"position": [0, 0, 0.1], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}"#;
+    serde_json::from_str(text).map_err(|_| example.to_owned())
+}
+
+/// Reads three numbers between commas.
+fn three(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
+    let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
+    numbers.ok_or_else(|| "give three numbers with commas between them".to_owned())
 }
 
 fn read(path: &Path) -> Result<PayloadRequest, CliError> {
@@ -153,9 +197,15 @@ fn reading(row: &[(&str, f64)], has_gravity: bool) -> PayloadReading {
 
 fn describe(answer: &PayloadAnswer) -> String {
     let PayloadAnswer { bias, payload, mass_uncertainty_kg, force_residual_n, torque_residual_nm, .. } = answer;
-    let three = |[x, y, z]: [f64; 3], digits: usize| format!("{x:.digits$}, {y:.digits$}, {z:.digits$}");
+    let listed = |numbers: [f64; 3], digits: i32| {
+        // The sum has no negative zero.
+        let scale = 10.0_f64.powi(digits);
+        let [x, y, z] = numbers.map(|number| (number * scale).round() / scale + 0.0);
+        let digits = usize::try_from(digits).unwrap_or(0);
+        format!("{x:.digits$}, {y:.digits$}, {z:.digits$}")
+    };
     let center = match answer.center_of_mass_uncertainty_m {
-        Some(sigma) => format!("{} mm ± {:.1}", three(payload.center_of_mass.map(|c| 1e3 * c), 1), 1e3 * sigma),
+        Some(sigma) => format!("{} mm ± {:.1}", listed(payload.center_of_mass.map(|c| 1e3 * c), 1), 1e3 * sigma),
         None => "unknown: no payload".to_owned(),
     };
     let axes = if answer.axes_verified {
@@ -168,9 +218,9 @@ fn describe(answer: &PayloadAnswer) -> String {
          {:18}{} N·m\nresidual, rms     {force_residual_n:.3} N, {torque_residual_nm:.4} N·m\n\
          postures          {} readings, condition {:.2} (1 at best, above 8 refused)\nsign and axes     {axes}\n",
         payload.mass_kg,
-        three(bias.force, 3),
+        listed(bias.force, 3),
         "",
-        three(bias.torque, 4),
+        listed(bias.torque, 4),
         answer.readings,
         answer.condition,
     )

@@ -1,6 +1,9 @@
 //! `revprio payload`
 
-use crate::program::{failure, success, success_with_input};
+use revprio_robot::built_in;
+use revprio_robot::kinematics::Configuration;
+
+use crate::program::{Scratch, failure, program, success, success_with_input};
 
 const EXAMPLE: &str = "api/examples/payload.json";
 const HEADER: &str = "force_x,force_y,force_z,torque_x,torque_y,torque_z";
@@ -55,4 +58,48 @@ fn poor_readings_and_broken_tables_are_refused_with_the_place() {
     // Without --on-tool the sign is the other one.
     refused(&table(), "the other sign");
     refused(&table().lines().take(4).collect::<Vec<_>>().join("\n"), "3 readings; give at least six");
+}
+
+#[test]
+fn mounting_and_place_of_a_sensor_are_stated_beside_a_table() {
+    let robot = built_in().iter().find(|robot| robot.name() == "panda").unwrap();
+    let names: Vec<_> = robot.moving_joints().iter().map(|joint| joint.name.as_str()).collect();
+    let mut table = format!("{HEADER},{}\n", names.join(","));
+    for k in 0..8 {
+        let q: Vec<f64> = (0..7)
+            .map(|j| [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0][j] + f64::sin(f64::from(k) * (1.3 + j as f64)))
+            .collect();
+        // The arm hangs on a wall: gravity is along -y. The sensor is turned by half a turn about x.
+        let rotation = Configuration::new(robot, &q).unwrap().tool_pose().rotation;
+        let gravity = [1.0, -1.0, -1.0].iter().enumerate().map(|(axis, sign)| -9.81 * sign * rotation[(1, axis)]);
+        let [x, y, z] = <[f64; 3]>::try_from(gravity.map(|entry| 0.5 * entry).collect::<Vec<_>>()).unwrap();
+        let cells = [x, y, z, -0.05 * y, 0.05 * x, 0.0].iter().chain(&q).map(ToString::to_string).collect::<Vec<_>>();
+        table += &(cells.join(",") + "\n");
+    }
+    let scratch = Scratch::new("payload-place");
+    let file = &scratch.write("readings.csv", &table);
+    let pose = r#"{"position": [0, 0, 0], "orientation": {"w": 0, "x": 1, "y": 0, "z": 0}}"#;
+    let [common, pose, gravity] =
+        [&["payload", file, "--robot", "panda", "--on-tool"][..], &["--pose", pose], &["--gravity", "0,-9.81,0"]];
+    let found = success(&[common, pose, gravity].concat());
+    for part in ["mass              0.5000 kg", "centre of mass    0.0, 0.0, 50.0 mm", "verified"] {
+        assert!(found.contains(part), "{part} is not in {found}");
+    }
+    // Without one of them the readings fit no payload.
+    failure(&[common, pose].concat());
+    failure(&[common, gravity].concat());
+    let unknown = failure(&[common, pose, gravity, &["--tip", "nowhere"]].concat());
+    assert!(unknown.contains("/tip") && unknown.contains("nowhere"), "{unknown}");
+    let meaningless = failure(&["payload", EXAMPLE, "--gravity", "0,-9.81,0"]);
+    assert!(meaningless.contains("--gravity") && meaningless.contains("with postures"), "{meaningless}");
+    for (option, value, part) in [
+        ("--gravity", "0,-9.81", "three numbers"),
+        ("--gravity", "0,down,0", "three numbers"),
+        ("--gravity", "0,1e999,0", "three numbers"),
+        ("--pose", "0,0,0.1", "orientation"),
+    ] {
+        let output = program(&[common, &[option, value]].concat()).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && message.contains(option) && message.contains(part), "{message}");
+    }
 }
