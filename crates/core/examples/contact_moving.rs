@@ -1,5 +1,5 @@
-//! Prints how the contact law follows walls that leave and return, that swing, and that swing under random conditions, and what it does with
-//! contacts whose stiffness changes.
+//! Prints how the contact law follows walls that leave and return, that come, that swing, and that swing under random conditions, and what it
+//! does with contacts whose stiffness changes.
 //!
 //! `cargo run --release -p revprio-core --example contact_moving`
 
@@ -46,9 +46,29 @@ fn main() {
             );
         }
     }
+    coming();
     swings();
     random_swings();
     random_changes();
+}
+
+/// Prints what walls do that come for a second, from when the force is near its target on.
+fn coming() {
+    println!("\n| K, N/m | wall, cm/s | most N | stiffness afterwards, N/m | losses |\n|---|---|---|---|---|");
+    for stiffness in [1e3, 1e4, 3e4, 1e5] {
+        for speed in [0.01, 0.02] {
+            let terms = Conditions::new(stiffness, 0.02, (0.005, 1, 0.002));
+            let mut start = f64::INFINITY;
+            run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+                start = if force > 0.95 * terms.target { start.min(time) } else { start };
+            });
+            let terms = Conditions { event: Event::LeaveAndReturn(start, -speed, 1.0), ..terms };
+            let (mut law, mut most) = (Pressing::new(&terms), 0.0_f64);
+            let found = run(&terms, &mut law, |[_, force, ..]| most = most.max(force));
+            let slope = law.axis().estimate.slope;
+            println!("| {stiffness:.0e} | {} | {most:.1} | {slope:.1e} | {} |", 100.0 * speed, found.losses);
+        }
+    }
 }
 
 /// Prints how it follows walls that swing.

@@ -256,3 +256,27 @@ fn a_sensor_that_sticks_near_its_target_ends_in_a_fault_later() {
     let found = run(&terms, &mut sticking, |_| {});
     assert_eq!(sticking.law.axis().phase, ContactPhase::Fault(FaultCause::Stuck), "{found:?}");
 }
+
+/// So a tool meets a slope that begins to slide as soon as it presses. A stiffness that goes on learning then takes the motion of the surface for
+/// stiffness: the force peaks, and the slope that remains is wrong.
+#[test]
+fn a_surface_that_comes_as_soon_as_the_target_is_reached_is_followed_with_the_stiffness_of_the_touch() {
+    for (stiffness, speed, seed) in
+        [1e4, 3e4].iter().flat_map(|&k| [0.01, 0.02].map(|v| [1, 2, 3].map(|s| (k, v, s)))).flatten()
+    {
+        let terms = Conditions::new(stiffness, 0.02, (0.005, 1, 0.002)).seeded(seed);
+        let mut reached = f64::INFINITY;
+        run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+            if force > 0.95 * terms.target {
+                reached = reached.min(time);
+            }
+        });
+        let terms = Conditions { event: Event::LeaveAndReturn(reached, -speed, 1.0), ..terms };
+        let mut law = Pressing::new(&terms);
+        let mut peak = 0.0_f64;
+        run(&terms, &mut law, |[_, force, ..]| peak = peak.max(force));
+        let case = format!("{stiffness} {speed} {seed}: {peak} N, {:?}", law.axis().motion.stiffness);
+        assert!(peak < 1.03 * terms.target + 0.02 * stiffness * speed, "{case}");
+        assert!((law.axis().motion.stiffness.slope / stiffness - 1.0).abs() < 0.2, "{case}");
+    }
+}

@@ -10,6 +10,9 @@ use crate::surface::{KnownContact, NormalEstimate, Touch};
 /// Time near the target to which the clock of a held contact counts, s. The contact is held above the half of it.
 pub(super) const HELD: f64 = 0.3;
 
+/// Share by which the slopes over the modelled and the measured position differ on a drive that does not yield.
+const SAME: f64 = 0.1;
+
 /// The state of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactPhase {
@@ -111,6 +114,13 @@ impl ContactAxis {
     /// Returns whether the tool presses, and the force has been near its target for some time.
     pub fn is_held(&self) -> bool {
         self.phase == ContactPhase::Contact && self.hold_time > 0.5 * HELD
+    }
+
+    /// Returns whether the stiffness is known well, for a noise σ (N): also from the measured position, so that the drive does not yield.
+    pub(super) fn knows_stiffness(&self, sigma: f64) -> bool {
+        let [modelled, measured] = [&self.estimate, &self.motion.stiffness];
+        let is_same = (modelled.slope - measured.slope).abs() < SAME * measured.slope;
+        is_same && modelled.is_known(sigma) && measured.is_known(sigma)
     }
 
     /// Returns what a surface that is followed continues from.

@@ -24,6 +24,10 @@ const SAMPLE_SIGMAS: f64 = 4.0;
 /// Rate at which the uncertainty grows with the number of samples.
 const CORRELATION: f64 = 0.7;
 
+/// Uncertainty over the slope, and share of the squared force that the motion explains, of a slope that is known.
+const KNOWN: f64 = 0.1;
+const EXPLAINED: f64 = 0.98;
+
 /// Acceleration of a surface that the filter of a held contact need not foresee, m/s².
 const UNFORESEEN: f64 = 0.3;
 
@@ -114,6 +118,14 @@ impl StiffnessEstimate {
     /// Returns the best known stiffness, N/m.
     pub(super) fn best(&self) -> f64 {
         if self.slope > 0.0 { self.slope } else { self.upper }
+    }
+
+    /// Returns whether the slope is known well, for a noise σ (N): its uncertainty is small, and the motion of the tool explains the force.
+    pub(super) fn is_known(&self, sigma: f64) -> bool {
+        let changes = (self.squared_force - self.samples * sigma * sigma).max(0.0);
+        self.slope > 0.0
+            && self.uncertainty < KNOWN * self.slope
+            && self.product * self.product > EXPLAINED * self.squared_position * changes
     }
 
     /// Starts means and filters at x_s (m) and F (N), on a surface with a velocity (m/s).

@@ -24,9 +24,6 @@ const SIGMAS: f64 = 3.0;
 /// surface: K/K_m − 1 behind filters, and a margin.
 const STIFFER: f64 = 30.0;
 
-/// Multiple of what the tool adds to a steady velocity, in the other direction, from which on feeding it forward keeps a swing going: K/K_m − 1.
-const FED_BACK: f64 = 2.0;
-
 /// Time of the short mean over τ_t.
 const SHORT: f64 = 2.0;
 
@@ -132,13 +129,11 @@ impl SurfaceMotion {
         let is_believed = self.lasts > patience && (seen < 0.0 || forces[0] > self.vanished(terms, forces[1]));
         let velocity = if !is_believed {
             slow
-        } else if feeds_itself(seen - self.means[0], own - self.means[0]) {
-            self.means[0]
         } else {
             seen + (timing.following + short) * beyond(acceleration, SIGMAS * noise / short)
         };
         if self.lasts > OVER * timing.reaction {
-            // The long mean goes on with that velocity. Swings that never turn it around are fed forward all the same.
+            // The long mean goes on with that velocity.
             self.means[0] = seen;
         }
         let velocity = velocity * useful_share(velocity, forces);
@@ -173,12 +168,6 @@ fn useful_share(velocity: f64, [force, target]: [f64; 2]) -> f64 {
 /// with it, and this one seems to move against the tool.
 fn looks_like_a_stiffer_contact(velocity: f64, own: f64) -> bool {
     velocity * own < 0.0 && velocity.abs() < STIFFER * own.abs()
-}
-
-/// Returns whether what a velocity adds to its long mean (m/s) comes from what the tool's own velocity adds to it (m/s). So it looks in a contact
-/// that is several times as stiff as K_m, on a surface that moves steadily. Fed forward, it would keep the tool swinging.
-fn feeds_itself(added: f64, own: f64) -> bool {
-    looks_like_a_stiffer_contact(added, own) && added.abs() > FED_BACK * own.abs()
 }
 
 /// Returns the velocity that is no motion, m/s.
@@ -289,20 +278,6 @@ mod tests {
             let (motion, largest) = moved(held(0.1 * STIFFNESS), 6, |_| [0.0, own]);
             assert!(largest == 0.0, "{own}: {motion:?}");
         }
-    }
-
-    #[test]
-    fn what_the_tool_adds_to_a_steady_velocity_is_not_fed_forward_in_a_stiffer_contact() {
-        let (settings, timing) = (ContactSettings { noise: 0.02, ..ContactSettings::default() }, timing());
-        let (steady, added) = (0.015, -0.002);
-        let mut motion = held(0.15 * STIFFNESS);
-        motion.stiffness.rates = [steady + added, STIFFNESS * added];
-        (motion.means, motion.lasts) = ([steady; 2], 1.5 * timing.tracking);
-        motion.advance(0.0, [(steady + added) * timing.period, timing.period]);
-        let force = TARGET + STIFFNESS * added * timing.period;
-        let held = Held { surface_velocity: steady, target_has_changed: false };
-        motion.learn((&settings, &timing), [force, TARGET], (&Swing::NONE, Some(held)));
-        assert!((motion.velocity / steady - 1.0).abs() < 0.1, "{motion:?}");
     }
 
     #[test]

@@ -280,7 +280,10 @@ impl Step<'_> {
         if axis.swing.factor > RELEARNT {
             0.0
         } else if error < near(self.settings, target) {
-            (axis.hold_time + period).min(HELD)
+            // A stiffness that is known after a gentle touch is not learnt anew: the surface may set off.
+            let is_gentle = axis.hold_time == 0.0 && axis.contact_time > 0.5 * HELD;
+            let is_known = is_gentle && axis.knows_stiffness(self.settings.noise);
+            if is_known { HELD } else { (axis.hold_time + period).min(HELD) }
         } else if axis.hold_time > 0.5 * HELD {
             // While the motion of the surface explains the force, the stiffness is not learnt anew.
             let stays = error < STAYS * target;
