@@ -119,19 +119,12 @@ impl SurfaceMotion {
         self.means[1] += timing.period * acceleration;
         let slow = beyond(self.means[0], rest.max(SIGMAS * mean_noise(timing, place_noise)));
         let is_moving = self.is_seen(timing) || slow != 0.0;
-        let (band, patience) = if is_moving {
-            (noise, timing.tracking)
-        } else {
-            (SIGMAS * noise + rest, timing.tracking * swing.factor * swing.factor)
-        };
+        let (band, patience) = begins(timing, is_moving, [noise, rest], swing);
         let counts = seen.abs() > band && !is_stiffer;
         self.lasts = if counts { self.lasts + timing.period } else { 0.0 };
         let is_believed = self.lasts > patience && (seen < 0.0 || forces[0] > self.vanished(terms, forces[1]));
-        let velocity = if !is_believed {
-            slow
-        } else {
-            seen + (timing.following + short) * beyond(acceleration, SIGMAS * noise / short)
-        };
+        let ahead = (timing.following + short) * beyond(acceleration, SIGMAS * noise / short);
+        let velocity = if is_believed { seen + ahead } else { slow };
         if self.lasts > OVER * timing.reaction {
             // The long mean goes on with that velocity.
             self.means[0] = seen;
@@ -155,6 +148,16 @@ impl SurfaceMotion {
         let speed = if is_coming { way / timing.window } else { 0.0 };
         let before = self.velocity.min(0.0) * (-timing.period / timing.surface).exp();
         speed.min(before).max(-settings.followed_speed)
+    }
+}
+
+/// Returns the velocity (m/s) beyond which and the time (s) after which a surface moves, for the noise of its velocity and the velocity that is no
+/// motion. One that moves already need not exceed more than the noise.
+fn begins(timing: &ContactTiming, is_moving: bool, [noise, rest]: [f64; 2], swing: &Swing) -> (f64, f64) {
+    if is_moving {
+        (noise, timing.tracking)
+    } else {
+        (SIGMAS * noise + rest, timing.tracking * swing.factor * swing.factor)
     }
 }
 
