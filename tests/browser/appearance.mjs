@@ -23,34 +23,40 @@ const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta
 /** Widths and heights of the screens, px. */
 const SIZES = [[360, 740], [768, 1024], [1280, 800], [1920, 1080], [2560, 1440]];
 
+/** Checks that axe finds nothing serious on a page. */
+async function checkAccess(page) {
+  const result = await page.evaluate(() => globalThis.axe.run(document));
+  assert.ok(result.passes.length > 15, 'axe has checked the page');
+  const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+  assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
+}
+
 for (const [width, height] of SIZES) {
-  for (const colorScheme of ['light', 'dark']) {
-    test(`nothing is cut off and axe finds nothing serious at ${width} x ${height}, ${colorScheme}`, options, async () => {
-      const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=joint_limits`, { viewport: { width, height }, colorScheme });
-      await waitForState(page, 'connection', 'ready');
-      await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
-      await page.click('#add-plane');
-      await page.click('#go');
-      await waitForClock(page, 0.8);
-      await page.fill('#time', '0.5');
+  test(`nothing is cut off and axe finds nothing serious at ${width} x ${height}, light and dark`, options, async () => {
+    const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=joint_limits`, { viewport: { width, height }, colorScheme: 'light' });
+    await waitForState(page, 'connection', 'ready');
+    await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
+    await page.click('#add-plane');
+    await page.click('#go');
+    await waitForClock(page, 0.8);
+    await page.fill('#time', '0.5');
 
-      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-      assert.ok(wide <= width, `${wide} px on ${width}`);
-      const cut = await page.evaluate(() => Array.from(document.querySelectorAll('.readouts dt, .readouts dd, .transport button, .push button'))
-        .filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => part.textContent));
-      assert.deepEqual(cut, []);
-      assert.doesNotMatch(await page.textContent('body'), /[−-]0\.0+(?![\d])/);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(wide <= width, `${wide} px on ${width}`);
+    const cut = await page.evaluate(() => Array.from(document.querySelectorAll('.readouts dt, .readouts dd, .transport button, .push button'))
+      .filter((part) => part.scrollWidth > part.clientWidth + 1).map((part) => part.textContent));
+    assert.deepEqual(cut, []);
+    assert.doesNotMatch(await page.textContent('body'), /[−-]0\.0+(?![\d])/);
 
-      await page.evaluate(AXE);
-      const result = await page.evaluate(() => globalThis.axe.run(document));
-      assert.ok(result.passes.length > 15, 'axe has checked the page');
-      const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
-      assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
-      assert.deepEqual(pageErrors, []);
-      await page.goto('about:blank');
-      await close();
-    });
-  }
+    await page.evaluate(AXE);
+    await checkAccess(page);
+    await page.emulateMedia({ colorScheme: 'dark' });
+    await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');
+    await checkAccess(page);
+    assert.deepEqual(pageErrors, []);
+    await page.goto('about:blank');
+    await close();
+  });
 }
 
 test('the scene fills the page, no panel covers its free part, and a phone has one row of header', options, async () => {
