@@ -82,7 +82,7 @@ impl Options {
         }
         request.robot = self.robot.clone().or(request.robot.take());
         request.tip = self.tip.clone().or(request.tip.take());
-        request.pose = self.pose.or(request.pose.take());
+        request.pose = self.pose.or(request.pose);
         request.gravity = self.gravity.unwrap_or(request.gravity);
         if self.on_tool {
             request.wrench_convention = WrenchConvention::OnTool;

@@ -10,7 +10,7 @@ mod laws;
 #[path = "../tests/contact/plant.rs"]
 mod plant;
 
-use laws::Pressing;
+use laws::{Pressing, time_near_target};
 use plant::{Conditions, Event, Noise, SWINGS, run};
 use revprio_core::law::ContactSettings;
 use revprio_core::limits::Drive;
@@ -58,11 +58,7 @@ fn coming() {
     for stiffness in [1e3, 1e4, 3e4, 1e5] {
         for speed in [0.01, 0.02] {
             let terms = Conditions::new(stiffness, 0.02, (0.005, 1, 0.002));
-            let mut start = f64::INFINITY;
-            run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
-                start = if force > 0.95 * terms.target { start.min(time) } else { start };
-            });
-            let terms = Conditions { event: Event::LeaveAndReturn(start, -speed, 1.0), ..terms };
+            let terms = Conditions { event: Event::LeaveAndReturn(time_near_target(&terms), -speed, 1.0), ..terms };
             let (mut law, mut most) = (Pressing::new(&terms), 0.0_f64);
             let found = run(&terms, &mut law, |[_, force, ..]| most = most.max(force));
             let slope = law.axis().estimate.slope;

@@ -3,7 +3,7 @@
 use revprio_core::law::{ContactPhase, ContactSettings, FaultCause};
 use revprio_core::limits::Drive;
 
-use crate::laws::{Pressing, bound, press};
+use crate::laws::{Pressing, bound, press, time_near_target};
 use crate::plant::{Conditions, Controller, Event, run};
 
 /// Conditions in which the event comes after the contact has settled.
@@ -265,13 +265,7 @@ fn a_surface_that_comes_as_soon_as_the_target_is_reached_is_followed_with_the_st
         [1e4, 3e4].iter().flat_map(|&k| [0.01, 0.02].map(|v| [1, 2, 3].map(|s| (k, v, s)))).flatten()
     {
         let terms = Conditions::new(stiffness, 0.02, (0.005, 1, 0.002)).seeded(seed);
-        let mut reached = f64::INFINITY;
-        run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
-            if force > 0.95 * terms.target {
-                reached = reached.min(time);
-            }
-        });
-        let terms = Conditions { event: Event::LeaveAndReturn(reached, -speed, 1.0), ..terms };
+        let terms = Conditions { event: Event::LeaveAndReturn(time_near_target(&terms), -speed, 1.0), ..terms };
         let mut law = Pressing::new(&terms);
         let mut peak = 0.0_f64;
         run(&terms, &mut law, |[_, force, ..]| peak = peak.max(force));

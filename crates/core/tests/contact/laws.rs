@@ -8,6 +8,15 @@ use revprio_core::linalg::Vector;
 
 use crate::plant::{Conditions, Controller, Outcome, run};
 
+/// Returns when the contact law first presses with 95 % of its target, s.
+pub fn time_near_target(terms: &Conditions) -> f64 {
+    let mut first = f64::INFINITY;
+    run(terms, &mut Pressing::new(terms), |[time, force, ..]| {
+        first = if force > 0.95 * terms.target { first.min(time) } else { first };
+    });
+    first
+}
+
 /// The contact law with its model of the drive.
 pub struct Pressing {
     law: ContactLaw,
