@@ -165,7 +165,8 @@ test('obstacles are added, typed, dragged and removed, and the arm keeps clear o
   const tool = words.slice(1).map((text) => Number(text.replace('−', '-')));
   await page.fill('#obstacles input', [tool[0] + 0.17, tool[1], tool[2]].map((value) => value.toFixed(3)).join(' '));
   await page.keyboard.press('Tab');
-  await page.waitForFunction((x) => document.querySelector('#obstacles input').value.startsWith(x), (tool[0] + 0.17).toFixed(3));
+  // The field drops zeros at the end: 0.510 is shown as 0.51.
+  await page.waitForFunction((x) => Number(document.querySelector('#obstacles input').value.split(' ')[0]) === x, Number((tool[0] + 0.17).toFixed(3)));
   await waitForState(page, 'phase', 'running');
   await page.focus('#scene');
   for (let i = 0; i < 12; i += 1) await page.keyboard.press('Shift+ArrowRight');
