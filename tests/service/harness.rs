@@ -12,6 +12,9 @@ use ureq::{Agent, Body};
 /// Longer than every timeout of the service. A test therefore ends even if the service does not answer.
 const TIMEOUT: Duration = Duration::from_mins(1);
 
+/// How long a service of [`Service::with_long_drain`] waits for connections that do not end: longer than any test.
+pub const LONG_DRAIN: Duration = Duration::from_mins(2);
+
 /// A running service and a client that keeps its connection.
 pub struct Service {
     server: RunningServer,
@@ -31,6 +34,11 @@ pub struct Answer {
 impl Service {
     pub fn start() -> Self {
         Self::with(ServiceConfig::default())
+    }
+
+    /// Starts a service that is seen to wait for connections, without a clock that a slow machine misses.
+    pub fn with_long_drain() -> Self {
+        Self::with(ServiceConfig { drain_timeout: LONG_DRAIN, ..ServiceConfig::default() })
     }
 
     pub fn with(config: ServiceConfig) -> Self {

@@ -8,7 +8,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::CloseFrame;
 use tungstenite::{Message, WebSocket};
 
-use crate::harness::{Service, example, without};
+use crate::harness::{LONG_DRAIN, Service, example, without};
 
 /// A client of one stream.
 pub struct Client {
@@ -147,7 +147,7 @@ fn the_end_of_the_controller_closes_the_stream_with_a_code() {
 
 #[test]
 fn the_shutdown_closes_streams_promptly_with_a_code() {
-    let service = Service::start();
+    let service = Service::with_long_drain();
     let session = service.open(&example("controller.json"));
     let mut client = Client::open(&service, &session, None);
     client.call(&state(1).to_string());
@@ -155,7 +155,7 @@ fn the_shutdown_closes_streams_promptly_with_a_code() {
     let end = std::thread::spawn(move || drop(service));
     assert_eq!(u16::from(client.close_frame().code), 1001);
     end.join().unwrap();
-    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    assert!(start.elapsed() < LONG_DRAIN / 2, "{:?}", start.elapsed());
 }
 
 #[test]

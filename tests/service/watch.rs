@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use revprio_api::wire;
 use serde_json::{Value, json};
 
-use crate::harness::{Service, example};
+use crate::harness::{LONG_DRAIN, Service, example};
 
 fn state(sequence: u64) -> Value {
     let mut state = example("state.json");
@@ -73,13 +73,13 @@ fn a_watcher_gets_events_at_a_limited_rate_until_the_controller_ends() {
 
 #[test]
 fn a_service_with_watchers_ends_promptly() {
-    let service = Service::start();
+    let service = Service::with_long_drain();
     let session = service.open(&example("controller.json"));
     let mut watcher = Watcher::open(&service, &session);
     service.call(&format!("{session}/step"), &state(1));
     watcher.next().unwrap();
     let start = Instant::now();
     drop(service);
-    assert!(start.elapsed() < Duration::from_millis(900), "{:?}", start.elapsed());
+    assert!(start.elapsed() < LONG_DRAIN / 2, "{:?}", start.elapsed());
     assert_eq!(watcher.next(), None);
 }
