@@ -47,16 +47,19 @@ fn small_and_large_forces_are_pressed() {
     }
 }
 
-/// The force stays little above f_off for long: noise must not lose the contact, because the law learns only in contact.
+/// The force stays little above f_off for long: noise must not lose the contact for long, because the law learns only in contact.
 #[test]
-fn noise_does_not_lose_a_light_contact() {
-    for drive in [(0.0, 0, 0.001), (0.005, 1, 0.001), (0.02, 1, 0.001), (0.005, 1, 0.002)] {
-        for seed in 1..=8 {
-            let terms = Conditions { target: 5.0, ..Conditions::new(1e3, 0.01, drive) }.seeded(seed);
-            let found = press(&terms);
-            assert!(found.settled && found.settling < 0.5 + terms.travel(), "{drive:?} {seed}: {found:?}");
-        }
-    }
+fn noise_rarely_delays_a_light_contact() {
+    let drives = [(0.0, 0, 0.001), (0.005, 1, 0.001), (0.02, 1, 0.001), (0.005, 1, 0.002)];
+    let runs = drives.into_iter().flat_map(|drive| (1..=100).map(move |seed| (drive, seed)));
+    let late = runs.filter(|&(drive, seed)| {
+        let terms = Conditions { target: 5.0, ..Conditions::new(1e3, 0.01, drive) }.seeded(seed);
+        let found = press(&terms);
+        assert!(found.settled, "{drive:?} {seed}: {found:?}");
+        found.settling > 0.5 + terms.travel()
+    });
+    let late: Vec<_> = late.collect();
+    assert!(late.len() <= 4, "{late:?}");
 }
 
 /// The command goes on into the wall, and the tool does not.
@@ -121,6 +124,22 @@ fn the_estimated_stiffness_and_the_predicted_force_are_reported() {
         assert!(uncertainty < 0.34 * found && report.stiffness_bound > stiffness, "{stiffness}: {report:?}");
         assert!((report.predicted_force - 30.0).abs() < 1.5, "{stiffness}: {report:?}");
         assert_eq!(report.phase, ContactPhase::Contact);
+    }
+}
+
+/// The tool sinks 20 mm at 1 cm/s: within the window of the means, the force changes by no more than the noise hides.
+#[test]
+fn a_slow_touch_makes_the_stiffness_of_a_soft_wall_known() {
+    for stiffness in [1e3, 2e3] {
+        for seed in 1..=10 {
+            let terms = Conditions { target: 20.0, ..Conditions::new(stiffness, 0.01, (0.01, 1, 0.002)).seeded(seed) };
+            let mut law = Pressing::new(&terms);
+            run(&terms, &mut law, |_| {});
+            let report = law.report.unwrap();
+            let [found, uncertainty] = report.stiffness.unwrap();
+            assert!((found - stiffness).abs() < 3.0 * uncertainty, "{stiffness}: {report:?}");
+            assert!(report.stiffness_bound < 3.0 * stiffness, "{stiffness}: {report:?}");
+        }
     }
 }
 

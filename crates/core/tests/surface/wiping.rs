@@ -48,6 +48,23 @@ proptest! {
     }
 }
 
+/// The tool sinks up to 13 mm deeper as friction begins, and only then shows the normal. With fixed axes it stays on the surface, because the
+/// stiffness is known.
+#[test]
+fn a_soft_surface_is_followed_after_15_mm_and_not_lost_with_fixed_axes() {
+    let tilts = [-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0];
+    for (tilt, friction) in tilts.into_iter().flat_map(|tilt| [0.0, 0.25, 0.5].map(|friction| (tilt, friction))) {
+        let surface = Surface { stiffness: 1e3, ..tilted(tilt, friction) };
+        for stroke in [Stroke::SlowStart, Stroke::Abrupt] {
+            let seen = World::new(surface, Wipe { stroke, ..Wipe::ALONG_X }).run(BEGIN + 4.5);
+            let found = Wiped::after(0.015, &seen);
+            assert!(found.error < 0.1 && found.losses == 0, "{tilt}° {friction} {stroke:?}: {found:?}");
+        }
+        let fixed = wipe(surface, Wipe { surface: None, ..Wipe::ALONG_X });
+        assert_eq!(fixed.losses, 0, "{tilt}° {friction}: {fixed:?}");
+    }
+}
+
 /// Friction that begins against the tilt makes a contact of 1e5 N/m look stiffer, and then the surface recedes.
 #[test]
 fn a_stiff_rough_surface_that_falls_is_not_lost() {

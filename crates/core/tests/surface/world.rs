@@ -320,7 +320,7 @@ impl World {
 /// Way of the wipe after which the figures begin, m.
 const LEARNT: f64 = 0.01;
 
-/// What the wipe of a run shows, after its first 10 mm.
+/// What the wipe of a run shows, after its first millimetres.
 #[derive(Debug, Clone, Copy)]
 pub struct Wiped {
     /// Largest |N/F_d − 1|.
@@ -342,9 +342,14 @@ pub struct Wiped {
 impl Wiped {
     /// Reads a run.
     pub fn of(seen: &[Seen]) -> Self {
+        Self::after(LEARNT, seen)
+    }
+
+    /// Reads a run from a way of the wipe on, m.
+    pub fn after(way: f64, seen: &[Seen]) -> Self {
         let begin = seen.iter().find(|seen| seen.time > BEGIN).map_or_else(Vector3::zeros, |seen| seen.at);
         let first =
-            seen.iter().position(|seen| seen.time > BEGIN && (seen.at - begin).norm() > LEARNT).unwrap_or(seen.len());
+            seen.iter().position(|seen| seen.time > BEGIN && (seen.at - begin).norm() > way).unwrap_or(seen.len());
         let wiped = || seen[first..].iter();
         let signed = |seen: &Seen| seen.normal_force / FORCE - 1.0;
         let error = |seen: &Seen| signed(seen).abs();

@@ -12,6 +12,10 @@ const HELD_MARGIN: f64 = 2.0;
 /// n_z, dead zone of the estimator in units of σ.
 const DEAD_ZONE: f64 = 10.0;
 
+/// Factor on the window of the means until a slope is known, in periods that teach nothing: slow motion into a soft contact then leaves the
+/// dead zone.
+const PATIENCE: f64 = 3.0;
+
 /// N_i, memory of the estimator in samples of information.
 const SAMPLES: f64 = 1000.0;
 
@@ -161,9 +165,15 @@ impl StiffnessEstimate {
             (self.unforeseen, self.scatter) = ([0.0; 2], [0.0; 2]);
             self.teach(terms, (x, f), [settings.noise; 2], false);
         }
-        let share = timing.period / timing.window;
+        let waits = self.slope == 0.0 && !self.exceeds_dead_zone(x, settings.noise);
+        let share = timing.period / timing.window / if waits { PATIENCE } else { 1.0 };
         self.mean_position += share * x;
         self.mean_force += share * f;
+    }
+
+    /// Returns whether a motion (m) changes the force by more than a noise σ (N) hides, if the contact is as stiff as K̂.
+    fn exceeds_dead_zone(&self, x: f64, sigma: f64) -> bool {
+        x.abs() * self.upper > DEAD_ZONE * sigma
     }
 
     /// Learns from a sample whose motion exceeds what noise or a surface explains, `motion` over K̂; `noise`: σ of its force. Both are N.
@@ -174,7 +184,7 @@ impl StiffnessEstimate {
         [motion, noise]: [f64; 2],
         is_held: bool,
     ) {
-        if x.abs() * self.upper > DEAD_ZONE * motion {
+        if self.exceeds_dead_zone(x, motion) {
             self.add(terms, (x, f), noise);
             self.update(terms, noise, is_held);
         }
