@@ -83,15 +83,16 @@ fn door(radius: f64, follows: bool) -> Result<Scenario, Error> {
     Ok(scenario)
 }
 
-/// Returns the peg with another hole: its place and its clearance, m. The pitch of the spiral is twice the clearance.
-fn peg([x, y]: [f64; 2], clearance: f64) -> Result<Scenario, Error> {
-    let mut scenario = Scenario { duration_s: 25.0, ..Scenario::find("peg")? };
+/// Returns the peg with another hole, its place and its clearance, m, and a speed of the search, m/s. The pitch of the spiral is twice the
+/// clearance. The search ends after 250 mm.
+fn peg([x, y]: [f64; 2], clearance: f64, search_speed: f64) -> Result<Scenario, Error> {
+    let mut scenario = Scenario { duration_s: 0.25 / search_speed, ..Scenario::find("peg")? };
     if let Some(hole) = &mut scenario.contacts[0].hole {
         (hole.center, hole.clearance_m) = ([x, y, 0.0], clearance);
     }
     for stream in &mut scenario.target_programs {
-        if let revprio_lab::simulator::TargetProgram::SpiralSearch { pitch_m, .. } = stream {
-            *pitch_m = 2.0 * clearance;
+        if let revprio_lab::simulator::TargetProgram::SpiralSearch { pitch_m, speed, .. } = stream {
+            (*pitch_m, *speed) = (2.0 * clearance, search_speed);
         }
     }
     Ok(scenario)
@@ -121,7 +122,7 @@ fn print_door(radius: f64, follows: bool, scenario: &Scenario, samples: &[Sample
     println!("| {radius} | {force} | {time} | {most:.1} |");
 }
 
-fn print_peg([x, y]: [f64; 2], clearance: f64, scenario: &Scenario, samples: &[Sample]) {
+fn print_peg([x, y]: [f64; 2], [clearance, speed]: [f64; 2], scenario: &Scenario, samples: &[Sample]) {
     let surface = -scenario.contacts[0].offset_m;
     let inserted = samples.iter().find(|sample| sample.position_error[2] < surface - INSERTED);
     let inserted = inserted.map_or("–".to_owned(), |sample| format!("{:.1}", sample.time_s));
@@ -131,8 +132,9 @@ fn print_peg([x, y]: [f64; 2], clearance: f64, scenario: &Scenario, samples: &[S
     let losses = samples.iter().filter(|sample| sample.contacts.event[0] == ContactEvent::Loss).count();
     let state = samples.last().map_or(String::new(), |sample| sample.contacts.state[0].to_string());
     println!(
-        "| {:.1} | {:.0}, {:.0} | {inserted} | {last:.2} | {most:.1} | {side:.1} | {losses} | {state} |",
+        "| {:.1} | {:.0} | {:.0}, {:.0} | {inserted} | {last:.2} | {most:.1} | {side:.1} | {losses} | {state} |",
         1e3 * clearance,
+        1e3 * speed,
         1e3 * x,
         1e3 * y
     );
@@ -201,13 +203,13 @@ fn main() -> Result<(), Error> {
     ));
 
     println!(
-        "\n| clearance, mm | hole at x, y, mm | inserted after, s | force at the end, N | most, N | most across, N | losses | state |"
+        "\n| clearance, mm | search, mm/s | hole at x, y, mm | inserted after, s | force at the end, N | most, N | most across, N | losses | state |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
-    for clearance in [2e-4, 5e-4] {
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for [clearance, speed] in [[2e-4, 0.01], [2e-4, 0.004], [5e-4, 0.01]] {
         for place in [[1e-3, 0.0], [2e-3, -2e-3], [-4e-3, 3e-3]] {
-            let scenario = peg(place, clearance)?;
-            print_peg(place, clearance, &scenario, &samples(&scenario)?);
+            let scenario = peg(place, clearance, speed)?;
+            print_peg(place, [clearance, speed], &scenario, &samples(&scenario)?);
         }
     }
     let scenario = Scenario::find("peg")?;
