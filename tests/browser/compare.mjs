@@ -5,7 +5,7 @@ import { existsSync, readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { deflateRawSync } from 'node:zlib';
 
-import { TIMEOUT_MS, cleanUp, drop, launch, open, serve, share, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, drop, endRun, launch, open, serve, share, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
 
 /** Browsers by the renderer that they are for: a browser with WebGL in software draws the canvas half as fast. */
 let browsers;
@@ -131,8 +131,7 @@ test('a dropped recording is a ghost with its name, colour and numbers, plays wi
   await hideNotice(page);
   await page.click('#go');
   await waitForClock(page, 2.5);
-  await page.click('#end');
-  await waitForState(page, 'phase', 'finished');
+  await endRun(page);
   await page.fill('#time', '2');
   await page.waitForFunction(() => document.getElementById('live').hidden === false);
   const tool = [0.307 * Math.cos(0.6) - 0, 0.307 * Math.sin(0.6)];

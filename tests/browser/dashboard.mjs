@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync, readdirSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, launch, number, open, serve, findInScene, waitForState, waitForText } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, endRun, launch, number, open, serve, findInScene, waitForState, waitForText } from './harness.mjs';
 
 let browser;
 before(async () => { browser = await launch(); }, { timeout: TIMEOUT_MS });
@@ -103,8 +103,7 @@ test('the pointer pushes the arm, and cycle, link and trace can be exported', op
   await page.waitForFunction(() => document.getElementById('share-note').textContent.startsWith('Link'));
   assert.match(await page.evaluate(() => navigator.clipboard.readText()), /#scenario=human_push/);
 
-  await page.click('#end');
-  await waitForState(page, 'phase', 'finished');
+  await endRun(page);
   const [csv] = await Promise.all([page.waitForEvent('download'), page.click('#export-csv')]);
   const [header, ...rows] = readFileSync(await csv.path(), 'utf8').trim().split('\n').map((line) => line.split(','));
   const [x, z] = ['external_force_x_n', 'external_force_z_n'].map((name) => header.indexOf(name));

@@ -113,6 +113,12 @@ export function waitForState(page, pill, ...values) {
   return page.waitForFunction(hasState, [pill, values], { timeout: TIMEOUT_MS });
 }
 
+/** Ends the run. It may have ended by itself: a click would then wait for a button that stays disabled. */
+export async function endRun(page) {
+  await page.evaluate(() => document.getElementById('end').click());
+  await waitForState(page, 'phase', 'finished');
+}
+
 /** Waits until the simulated time passes `time`, s. */
 export function waitForClock(page, time) {
   return page.waitForFunction((wanted) => Number.parseFloat(document.getElementById('clock').textContent) > wanted, time, { timeout: TIMEOUT_MS });

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, findInScene, launch, number, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, endRun, findInScene, launch, number, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
 
 let browser;
 let service;
@@ -28,9 +28,7 @@ function withPage(fragment, body, context = {}) {
 async function runUntil(page, time) {
   await page.click('#go');
   await waitForClock(page, time);
-  // A short run may have ended by itself: a click would wait for a button that stays disabled.
-  await page.evaluate(() => document.getElementById('end').click());
-  await waitForState(page, 'phase', 'finished');
+  await endRun(page);
 }
 
 const taskNames = (page) => page.locator('#tasks .task-name').allTextContents();
@@ -119,8 +117,7 @@ test('the pointer reads values with units, and changes of method and gains are m
   await page.fill('#gains input >> nth=0', '20');
   await page.keyboard.press('Tab');
   await waitForClock(page, 2);
-  await page.click('#end');
-  await waitForState(page, 'phase', 'finished');
+  await endRun(page);
   const plot = page.locator('[data-plot="force"] canvas');
   await plot.scrollIntoViewIfNeeded();
   const { x: left, y: top, width } = await plot.boundingBox();
@@ -350,7 +347,7 @@ test('a URDF file that is dropped onto the page with its mesh becomes a robot', 
   await page.click('#go');
   await waitForClock(page, 0.2);
   await waitForText(page, '#reason', /\w/);
-  await page.click('#end');
+  await endRun(page);
   await drop(page, [['broken.urdf', Buffer.from('<html/>')]]);
   await waitForText(page, '#notice', /not a URDF/);
   // A refusal offers the tips of the arms. The file beside the URDF file states what it lacks.

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, launch, number, open, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, endRun, launch, number, open, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
 
 let browser;
 let service;
@@ -36,8 +36,7 @@ test('an earlier time has its own target, tasks and numbers', options, () => wit
   await waitForText(page, '#tasks', /1\. posture.*2\. position/);
   const changed = await clock(page);
   await waitForClock(page, changed + 0.6);
-  await page.click('#end');
-  await waitForState(page, 'phase', 'finished');
+  await endRun(page);
   await waitForText(page, '#force-target', /posture|position/);
   const late = await page.textContent('#readouts div:first-child dd');
   assert.ok(Number.parseFloat(late) > 20, `the posture holds the tool ${late} from its target`);
@@ -64,14 +63,16 @@ test('the past is replayed, once or round and round', options, () => withPage('s
   assert.equal(await page.isDisabled('#replay'), true);
   await page.click('#go');
   await waitForState(page, 'phase', 'finished');
+  // The page draws some time after a click: only `Stop` tells that it replays.
+  const startsReplay = () => Promise.all([page.waitForSelector('#replay:text("Stop")'), page.click('#replay')]);
   await page.fill('#time', '3.2');
-  await page.click('#replay');
+  await startsReplay();
   await page.waitForFunction(() => Number.parseFloat(document.getElementById('clock').textContent) > 3.4);
   await page.waitForFunction(() => document.getElementById('live').hidden && document.getElementById('replay').textContent === 'Replay');
   await page.click('#loop');
   await page.waitForSelector('#loop[aria-pressed="true"]');
   await page.fill('#time', '3.6');
-  await page.click('#replay');
+  await startsReplay();
   await page.waitForFunction(() => Number.parseFloat(document.getElementById('clock').textContent) < 1.5);
   await page.click('#replay');
   assert.equal(await page.isVisible('#viewing'), true);
