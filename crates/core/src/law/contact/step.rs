@@ -53,7 +53,7 @@ const CHASE: f64 = 0.25;
 /// Longest time for which a surface is thought to move on after a loss, s. What the tool meets later is a new surface, of unknown stiffness.
 const LONGEST_CHASE: f64 = 0.1;
 
-/// How far behind its place a lost surface may be whose stiffness is known, m.
+/// How far behind its place a lost surface of known stiffness may be, m.
 const LOST_DEPTH: f64 = 1e-4;
 
 /// Way that a surface may push the tool back without a stop, m. A force that stays longer in a retreat is none of a surface: its sign or
@@ -313,10 +313,10 @@ impl Step<'_> {
     fn give_up_lost_surface(&mut self) {
         let (settings, axis) = (self.settings, &mut *self.axis);
         let force = settings.threshold() + DIFFERENCE * settings.noise;
-        // What has not shown its stiffness may be the stiffest contact, so the tool goes on from there very slowly. If it was noise, or is soft,
-        // the way would be long.
-        let most = if axis.estimate.slope > 0.0 { LOST_DEPTH * settings.metre } else { 0.0 };
-        let depth = most.max(2.0 * force / axis.estimate.best());
+        // What has not shown its stiffness may be the stiffest contact, so the tool goes back very slowly. That would take long where it was
+        // noise, or is soft.
+        let least = if axis.estimate.slope > 0.0 { LOST_DEPTH * settings.metre } else { 0.0 };
+        let depth = least.max(2.0 * force / axis.estimate.best());
         if axis.phase == ContactPhase::Loss {
             axis.contact_time += self.timing.period;
             let is_far = axis.sensed_position > axis.surface + depth;
