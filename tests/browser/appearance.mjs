@@ -1,10 +1,9 @@
 // Tests of the layout and of the accessibility of the dashboard.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
+import { TIMEOUT_MS, checkAccess, cleanUp, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
 
 let browser;
 let service;
@@ -18,18 +17,9 @@ after(async () => {
 });
 
 const options = { timeout: 2 * TIMEOUT_MS };
-const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 
 /** Widths and heights of the screens, px. */
 const SIZES = [[360, 740], [768, 1024], [1280, 800], [1920, 1080], [2560, 1440]];
-
-/** Checks that axe finds nothing serious on a page. */
-async function checkAccess(page) {
-  const result = await page.evaluate(() => globalThis.axe.run(document));
-  assert.ok(result.passes.length > 15, 'axe has checked the page');
-  const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
-  assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
-}
 
 for (const [width, height] of SIZES) {
   test(`nothing is cut off and axe finds nothing serious at ${width} x ${height}, light and dark`, options, async () => {
@@ -48,7 +38,6 @@ for (const [width, height] of SIZES) {
     assert.deepEqual(cut, []);
     assert.doesNotMatch(await page.textContent('body'), /[−-]0\.0+(?![\d])/);
 
-    await page.evaluate(AXE);
     await checkAccess(page);
     await page.emulateMedia({ colorScheme: 'dark' });
     await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');

@@ -10,6 +10,9 @@ import { chromium } from 'playwright-core';
 /** Time limit of every wait, long enough for a slow machine, ms. */
 export const TIMEOUT_MS = 120_000;
 
+/** Every page passes more rules of axe than these; fewer mean that axe has not looked. */
+const MIN_RULES = 15;
+
 const FLAGS = [
   '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync',
@@ -151,6 +154,15 @@ export async function findInScene(page, name) {
 /** Returns the number that an element shows. */
 export async function number(page, selector) {
   return Number((await page.textContent(selector)).replace('−', '-').replace(/[^\d.-]/g, ''));
+}
+
+/** Checks that axe finds nothing serious on a page. */
+export async function checkAccess(page) {
+  await page.evaluate(readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8'));
+  const result = await page.evaluate(() => globalThis.axe.run(document));
+  assert.ok(result.passes.length > MIN_RULES, `axe has checked the page by ${result.passes.length} rules`);
+  const serious = result.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+  assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), []);
 }
 
 /** Returns what part of the free scene, or of a strip of it across, has about one of some colours, as the screen shows it. */
