@@ -12,8 +12,8 @@ const HELD_MARGIN: f64 = 2.0;
 /// n_z, dead zone of the estimator in units of σ.
 const DEAD_ZONE: f64 = 10.0;
 
-/// Factor on the window of the means until a slope is known, in periods that teach nothing: slow motion into a soft contact then leaves the
-/// dead zone.
+/// Factor on the window of the means until a slope is known, in periods that teach nothing: a tool that sinks slowly into a soft contact
+/// leaves the dead zone then.
 const PATIENCE: f64 = 3.0;
 
 /// N_i, memory of the estimator in samples of information.
