@@ -195,6 +195,32 @@ test('several ghosts have their own colours, and each is added and removed', opt
   await waitForText(page, '#ghosts', /^(?!.*Singularity robust)/);
 }));
 
+test('a new start ends one that still waits for the service, and leaves no run behind', options, () => withPage('scenario=playground&robot=panda&motion=eight&ghost=pseudoinverse', async (page) => {
+  await waitForText(page, '#scene-legend', /Pseudo-inverse/);
+  const [made, deleted] = [[], []];
+  page.on('response', async (response) => {
+    const { pathname } = new URL(response.url());
+    if (response.request().method() === 'DELETE') deleted.push(pathname);
+    else if (response.status() === 202 && pathname === '/v1/simulations') made.push((await response.json()).id);
+  });
+  // The first start is still to tell its runs to begin when the second one comes.
+  await page.route('**/control', async (route) => {
+    await new Promise((resolve) => { setTimeout(resolve, 1000); });
+    await route.continue();
+  });
+  const restart = () => page.evaluate(() => document.getElementById('apply').click());
+  await restart();
+  await page.waitForRequest('**/control');
+  await restart();
+  await restart();
+  await waitForState(page, 'phase', 'running');
+  await page.waitForTimeout(1500);
+  assert.equal(await page.getAttribute('#phase', 'data-phase'), 'running');
+  assert.match(await page.textContent('#scene-legend'), /Pseudo-inverse/);
+  const left = made.filter((id) => !deleted.some((path) => path.endsWith(id)));
+  assert.equal(left.length, 2, `of the runs ${made}, ${left} are left`);
+}));
+
 /** Magenta of the first ghost, and blue of the run, as paths are drawn. */
 const [GHOST, OWN] = [[[181, 86, 143]], [[0, 114, 178]]];
 

@@ -110,7 +110,7 @@ async function apply(runControl, change, continues = false) {
 /** Ends the ghosts whose methods were removed. @param {RunControl} runControl */
 function dropGhosts(runControl) {
   const isWanted = (/** @type {Run} */ { simulation }) => runControl.setup?.ghosts.includes(simulation.method) ?? false;
-  for (const ghost of runControl.ghosts.filter((run) => !isWanted(run))) ghost.delete();
+  runControl.delete(runControl.ghosts.filter((run) => !isWanted(run)));
   runControl.ghosts = runControl.ghosts.filter(isWanted);
 }
 
@@ -162,9 +162,8 @@ async function restart(runControl) {
     return { method: ghost.simulation.method, scenario: own, history };
   });
   state.set({ phase: 'starting' });
-  // The service limits the number of runs, so the old ones must be gone first.
   runControl.ghosts = [];
-  await Promise.all([run, ...ghosts].map((old) => old.delete()));
+  runControl.delete([run, ...ghosts]);
   await runControl.startRuns(scenario, run.history, others, paused);
 }
 

@@ -79,6 +79,10 @@ export class RunControl {
     this.draggedObstacle = null;
     /** The result of `applied`, and of what. @type {{scenario: Scenario, setup: Setup, preview: ArmView | null, result: Scenario} | null} */
     this.lastApplied = null;
+    /** Number of starts and resets so far. */
+    this.starts = 0;
+    /** Ends when the service has deleted the runs of before. @type {Promise<unknown>} */
+    this.deletion = Promise.resolve();
     this.lastMoveTime = -Infinity;
     /** @type {Vec3} */
     this.push = [0, 0, 0];
@@ -245,21 +249,42 @@ export class RunControl {
     if (!setup) return;
     state.set({ phase: 'starting' });
     this.running = scenario;
-    const onFrame = () => this.updatePhase();
-    const onEnd = (/** @type {Run} */ run, /** @type {'end' | 'lost'} */ reason, /** @type {unknown} */ error) =>
-      this.handleEnd(run, reason, error);
+    const isLatest = this.supersede();
+    const waits = paused || ghosts.length > 0;
+    const runs = 1 + ghosts.length;
     try {
-      const waits = paused || ghosts.length > 0;
-      const runs = 1 + ghosts.length;
-      this.run = await Run.start(setups.request(scenario, setup, setup.method, waits, runs), onFrame, onEnd, history);
-      for (const ghost of ghosts) {
-        this.ghosts.push(await Run.start(setups.request(ghost.scenario, setup, ghost.method, true, runs), onFrame, onEnd, ghost.history));
+      // The service limits the number of runs, so the old ones must be gone first.
+      await this.deletion;
+      for (const part of [{ method: setup.method, scenario, history }, ...ghosts]) {
+        if (!isLatest()) return;
+        const run = await this.startRun(setups.request(part.scenario, setup, part.method, waits, runs), part.history);
+        if (!isLatest()) return this.delete([run]);
+        if (part.history === history) this.run = run;
+        else this.ghosts.push(run);
       }
       if (waits && !paused) await this.sendControl({ paused: false });
     } catch (error) {
+      if (!isLatest()) return;
       this.reset();
       throw error;
     }
+  }
+
+  /** @type {(request: import('./types.js').SimulationRequest, history: History) => Promise<Run>} */
+  startRun(request, history) {
+    return Run.start(request, () => this.updatePhase(), (run, reason, error) => this.handleEnd(run, reason, error), history);
+  }
+
+  /** Ends all starts that still wait for the service. Returns a function that tells whether no later one has ended this one. */
+  supersede() {
+    this.starts += 1;
+    const own = this.starts;
+    return () => this.starts === own;
+  }
+
+  /** Deletes runs in the service. @param {Run[]} runs */
+  delete(runs) {
+    this.deletion = Promise.all([this.deletion, ...runs.map((run) => run.delete())]);
   }
 
   /** Sets the phase of the page from the state of the run. */
@@ -289,8 +314,8 @@ export class RunControl {
 
   /** Deletes the run. */
   reset() {
-    this.run?.delete();
-    for (const ghost of this.ghosts) ghost.delete();
+    this.supersede();
+    this.delete([...(this.run ? [this.run] : []), ...this.ghosts]);
     this.run = null;
     this.ghosts = [];
     this.wasPushed = false;
