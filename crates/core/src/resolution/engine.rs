@@ -39,6 +39,11 @@ impl Engine {
         solver
     }
 
+    /// Returns the solver of a problem that [`Self::factorize`] got last.
+    pub fn factorized(&mut self, levels: &Hierarchy) -> &mut dyn SizedSolver {
+        self.solver.of_width(levels)
+    }
+
     /// Solves a problem.
     pub fn solve(&mut self, levels: &Hierarchy, start: Start, solution: &mut Solution) -> Solved<'_> {
         let solver = self.solver.of_width(levels);

@@ -12,7 +12,7 @@ use super::scaling::ScaledTasks;
 use super::singularity::Singularities;
 use super::smoothing::Smoothing;
 use super::solution::{Certainty, Solution, Start, WorkingSet, refill};
-use super::strict_targets::StrictTargets;
+use super::strict_targets::{StrictTargets, aim_at};
 
 /// A run of a plan and its result.
 #[derive(Default)]
@@ -148,7 +148,7 @@ impl PlanRun {
     /// Replaces the targets of a step by the velocities that damping leaves of them; returns the factor of its damping rows.
     fn damp(&mut self, problem: &Problem, step: Step, singularities: &Singularities, engine: &mut Engine) -> f64 {
         let (known, tasks) = (&singularities.tasks, problem.tasks.tasks());
-        let Self { damped, strict, targets, before, .. } = self;
+        let Self { damped, strict, targets, before, levels, .. } = self;
         damped.clear();
         let Some(factors) = problem.damping else { return 0.0 };
         match step {
@@ -164,7 +164,13 @@ impl PlanRun {
             }
             Step::Levels => {
                 if !singularities.is_regular {
-                    damped.certainty.kkt_residual = strict.lower(problem, factors, before, targets);
+                    let least = factors.threshold().max(factors.fading_threshold());
+                    match engine.factorized(levels).regular_solution(least) {
+                        // What a task cannot influence at all counts as damped.
+                        Some((x, true)) => aim_at(problem, x, targets),
+                        Some(_) => {}
+                        None => damped.certainty.kkt_residual = strict.lower(problem, factors, before, targets),
+                    }
                 }
                 0.0
             }

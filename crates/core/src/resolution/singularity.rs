@@ -1,5 +1,7 @@
 //! How near the tasks are to singularities, and how much damping that asks for.
 
+use std::ops::Range;
+
 use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
 use super::solution::refill;
@@ -46,6 +48,8 @@ pub struct Singularities {
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,
     singular: SingularValues,
+    /// The rows that are examined, n entries each.
+    rows: Vec<f64>,
     /// Rows of an earlier period whose smallest singular value is at least `reference_bound`.
     reference: EquationRows,
     reference_bound: f64,
@@ -114,7 +118,8 @@ impl Singularities {
             return;
         }
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
-            self.decompose(task.jacobian.ncols(), std::slice::from_ref(task));
+            self.gather(std::iter::once(task));
+            self.decompose(task.jacobian.ncols(), 0..task.jacobian.nrows());
             self.tasks[k].rank = self.rank(task.jacobian.norm());
         }
     }
@@ -128,37 +133,48 @@ impl Singularities {
                 .filter(|damping| !singular.is_above(damping.threshold()))
                 .map_or(0.0, |damping| damping.factor(singular.smallest()))
         };
-        let n = tasks[0].jacobian.ncols();
-        let lowest = tasks.iter().rposition(Task::is_equation);
-        let (mut norm_square, mut rank_below) = (0.0, 0);
-        self.decompose(n, &[]);
-        for k in (0..tasks.len()).rev().filter(|&k| tasks[k].is_equation()) {
-            let norm = tasks[k].jacobian.norm();
-            self.decompose(n, &tasks[k..=k]);
+        let n = problem.tasks.joint_count();
+        self.gather(tasks.iter().filter(|task| task.is_equation()));
+        let end = self.rows.len() / n;
+        let (mut start, mut norm_square, mut rank_below) = (end, 0.0, 0);
+        self.decompose(n, end..end);
+        for (k, task) in tasks.iter().enumerate().rev().filter(|(_, task)| task.is_equation()) {
+            let own = start - task.jacobian.nrows()..start;
+            start = own.start;
+            let norm = task.jacobian.norm();
+            self.decompose(n, own.clone());
             let (rank, mu) = (self.rank(norm), factor(&self.singular));
             norm_square += norm * norm;
             // The lowest task is alone already.
-            if Some(k) != lowest {
-                self.decompose(n, &tasks[k..]);
+            if own.end < end {
+                self.decompose(n, start..end);
             }
             let rank_all = self.rank(norm_square.sqrt());
             let algorithmic = rank + rank_below > rank_all;
             self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular) };
             rank_below = rank_all;
         }
-        let product = if lowest.is_none() { 0.0 } else { self.singular.product().min(f64::MAX) };
+        let product = if end == 0 { 0.0 } else { self.singular.product().min(f64::MAX) };
         self.known = Some((self.singular.smallest(), product));
     }
 
-    /// Decomposes the rows of these tasks without inequality tasks, or of one task.
-    fn decompose(&mut self, n: usize, tasks: &[Task]) {
-        let own = |task: &&Task| tasks.len() == 1 || task.is_equation();
-        let rows = || tasks.iter().filter(own).flat_map(|task| (0..task.jacobian.nrows()).map(move |row| (task, row)));
-        let m = rows().count();
+    /// Writes the rows of tasks one after the other.
+    fn gather<'a>(&mut self, tasks: impl Iterator<Item = &'a Task>) {
+        self.rows.clear();
+        for task in tasks {
+            let (m, entries) = (task.jacobian.nrows(), task.jacobian.as_slice());
+            (0..m).for_each(|row| self.rows.extend(entries[row..].iter().step_by(m)));
+        }
+    }
+
+    /// Decomposes a range of the gathered rows.
+    fn decompose(&mut self, n: usize, range: Range<usize>) {
+        let m = range.len();
+        let rows = &self.rows[range.start * n..range.end * n];
         if m <= n {
-            self.singular.decompose(n, rows().flat_map(|(task, row)| (0..n).map(move |j| task.jacobian[(row, j)])));
+            self.singular.decompose(n, rows.iter().copied());
         } else {
-            self.singular.decompose(m, (0..n).flat_map(|j| rows().map(move |(task, row)| task.jacobian[(row, j)])));
+            self.singular.decompose(m, (0..n).flat_map(|j| rows[j..].iter().step_by(n).copied()));
         }
     }
 

@@ -76,11 +76,7 @@ impl StrictTargets {
                 self.point.iter_mut().zip(direction).for_each(|(x, entry)| *x -= part * entry);
             }
         }
-        for (k, task) in tasks.iter().enumerate().filter(|(_, task)| task.is_equation()) {
-            for row in 0..task.jacobian.nrows() {
-                targets[problem.tasks.first_row(k) + row] = row_times(&task.jacobian, row, &self.point);
-            }
-        }
+        aim_at(problem, &self.point, targets);
         kkt_residual
     }
 
@@ -166,6 +162,15 @@ impl StrictTargets {
         }
         if count > 0 {
             chain.weakest = chain.weakest.min(self.svd.sigma(count - 1) / norm);
+        }
+    }
+}
+
+/// Sets the targets of the equation tasks to their velocities at q̇.
+pub fn aim_at(problem: &Problem, velocity: &[f64], targets: &mut [f64]) {
+    for (k, task) in problem.tasks.tasks().iter().enumerate().filter(|(_, task)| task.is_equation()) {
+        for row in 0..task.jacobian.nrows() {
+            targets[problem.tasks.first_row(k) + row] = row_times(&task.jacobian, row, velocity);
         }
     }
 }

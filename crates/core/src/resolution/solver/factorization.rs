@@ -272,13 +272,27 @@ impl<const N: usize> Factorization<N> {
         self.max_rank.get(k).copied().unwrap_or(usize::MAX)
     }
 
-    /// Compares a level's rank with its singular values: all of its pivots, or the number that `max_rank` then holds.
-    #[cold]
-    fn confirm_rank(&mut self, k: usize, tolerance: f64, norm: f64, refused: f64) -> bool {
+    /// Returns whether the levels above leave nothing of a level, or whether its pivots are all of its rows or of the unknowns that are left,
+    /// and have no singular value below `least`.
+    pub fn is_regular(&mut self, k: usize, least: f64) -> bool {
+        let span = self.decompose(k);
+        let is_full = span.pivots_end == span.end || span.rank_end() == self.free.len();
+        span.rank() == 0 || (is_full && self.singular.is_above(least))
+    }
+
+    /// Decomposes the pivots of a level over its own coordinates.
+    fn decompose(&mut self, k: usize) -> Span {
         let span = self.spans[k];
         let pivots = &self.rows[span.start..span.pivots_end];
         let own = pivots.iter().flat_map(|row| &row.coordinates.0[span.first..span.rank_end()]);
         self.singular.decompose(span.rank(), own.copied());
+        span
+    }
+
+    /// Compares a level's rank with its singular values: all of its pivots, or the number that `max_rank` then holds.
+    #[cold]
+    fn confirm_rank(&mut self, k: usize, tolerance: f64, norm: f64, refused: f64) -> bool {
+        let span = self.decompose(k);
         let (small, certain) = (TOLERANCES.rounding * norm, TOLERANCES.certain_rank * norm);
         self.rank_uncertain |= self.singular.count_from(small) > self.singular.count_from(certain)
             || (small < refused.sqrt() && refused.sqrt() < certain);

@@ -26,6 +26,11 @@ pub trait SizedSolver {
     /// σ_min itself. It is not a number where there are no rows, or where they depend on each other.
     fn bound_smallest(&mut self, norm: f64, sure: f64, needed: f64) -> f64;
 
+    /// Returns the solution of the last factorisation if no singular value of a level, on what the levels above leave, is below `least`.
+    /// Rows beyond the unknowns that are left do not count, and neither do levels of which nothing is left; also returns whether there are
+    /// such levels. `None` where rounding may have decided a rank.
+    fn regular_solution(&mut self, least: f64) -> Option<(&[f64], bool)>;
+
     /// Writes the multipliers of one level of the problem that was solved last: of the rows (sign of b − A x), and of the
     /// unknowns.
     fn write_level_multipliers(
@@ -70,6 +75,12 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
         }
         let size = write_inverse(solved.triangle().map(|row| (&row.coordinates, row.inverse)), &mut self.inverse);
         if size * needed <= 1.0 { 1.0 / size } else { self.solved.smallest_singular_value() }
+    }
+
+    fn regular_solution(&mut self, least: f64) -> Option<(&[f64], bool)> {
+        let solved = &mut self.solved;
+        let is_regular = !solved.rank_uncertain && (0..solved.spans.len()).all(|k| solved.is_regular(k, least));
+        is_regular.then(|| (&solved.x.0[..], solved.spans.iter().any(|span| span.rank() == 0 && span.start < span.end)))
     }
 
     fn write_level_multipliers(
