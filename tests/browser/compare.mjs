@@ -206,19 +206,19 @@ test('a new start ends one that still waits for the service, and leaves no run b
   // The first start is still to tell its runs to begin when the second one comes.
   await page.route('**/control', async (route) => {
     await new Promise((resolve) => { setTimeout(resolve, 1000); });
-    await route.continue();
+    await route.continue().catch(() => {});
   });
   const restart = () => page.evaluate(() => document.getElementById('apply').click());
-  await restart();
-  await page.waitForRequest('**/control');
+  await Promise.all([page.waitForRequest('**/control'), restart()]);
   await restart();
   await restart();
   await waitForState(page, 'phase', 'running');
   await page.waitForTimeout(1500);
   assert.equal(await page.getAttribute('#phase', 'data-phase'), 'running');
   assert.match(await page.textContent('#scene-legend'), /Pseudo-inverse/);
-  const left = made.filter((id) => !deleted.some((path) => path.endsWith(id)));
-  assert.equal(left.length, 2, `of the runs ${made}, ${left} are left`);
+  const left = () => made.filter((id) => !deleted.some((path) => path.endsWith(id)));
+  for (let tries = 0; left().length !== 2 && tries < 100; tries += 1) await page.waitForTimeout(100);
+  assert.equal(left().length, 2, `of the runs ${made}, ${left()} are left`);
 }));
 
 /** Magenta of the first ghost, and blue of the run, as paths are drawn. */
