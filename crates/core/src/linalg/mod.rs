@@ -2,6 +2,7 @@
 //! eigenvalue of a symmetric matrix, damping.
 
 mod damping;
+mod laguerre;
 mod row;
 mod singular_values;
 mod svd;

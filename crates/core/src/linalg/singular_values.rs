@@ -1,9 +1,7 @@
 //! Singular values without their vectors.
 
+use super::laguerre::outermost_root;
 use super::{Matrix, dot};
-
-/// Maximum number of steps. About four are needed, more for roots that coincide.
-const MAX_STEPS: usize = 100;
 
 /// The singular values of a matrix, in memory that is used again.
 ///
@@ -62,24 +60,11 @@ impl SingularValues {
     }
 
     /// Returns the smallest singular value; 0 for a matrix without rows.
-    ///
-    /// Laguerre's iteration for σ², from below, where it never passes the smallest root and converges cubically to a single one.
     pub fn smallest(&self) -> f64 {
-        if self.squares.iter().step_by(2).any(|square| *square == 0.0) {
+        if self.count == 0 || self.squares.iter().step_by(2).any(|square| *square == 0.0) {
             return 0.0;
         }
-        let n = self.count as f64;
-        let mut below = 0.0;
-        for _ in 0..MAX_STEPS {
-            let Some((g, h)) = self.log_derivatives(below) else { break };
-            let step = n / (g + ((n - 1.0) * (n * h - g * g)).max(0.0).sqrt());
-            below += step;
-            // Of a single root, the next distance is about the distance times the square of what g²/h is off.
-            if step * (g * g / h - 1.0).powi(2) <= 1e-17 * below || step <= 1e-16 * below {
-                break;
-            }
-        }
-        below.sqrt() * self.unit
+        outermost_root(self.count, (0.0, f64::INFINITY), |x| self.log_derivatives(x)).sqrt() * self.unit
     }
 
     /// Returns Σ 1/(σ_i² − x) and Σ 1/(σ_i² − x)²; `None` where x exceeds the smallest σ².

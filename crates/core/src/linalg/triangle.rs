@@ -1,5 +1,6 @@
 //! The inverse of a lower triangle; the Cholesky factor and the smallest eigenvalue of a symmetric matrix.
 
+use super::laguerre::outermost_root;
 use super::{Row, dot};
 
 /// Returns the smallest eigenvalue of a positive semidefinite matrix M of this size, exact to the rounding of its trace t. M is
@@ -89,41 +90,10 @@ pub fn write_inverse<'a, const N: usize>(
     square.sqrt()
 }
 
-/// Maximum number of steps. About four are needed.
-const MAX_STEPS: usize = 100;
-
 /// Returns the largest eigenvalue of a positive semidefinite tridiagonal matrix of a size about 1, to rounding.
-///
-/// Laguerre's iteration from above, for a root of the multiplicity that its derivatives show: convergence to roots that lie close
-/// together would be slow without it. A step that passes the largest eigenvalue is taken back, all but a little.
 fn largest_eigenvalue(diagonal: &[f64], off_square: &[f64]) -> f64 {
-    let n = diagonal.len() as f64;
-    let mut above = upper_bound(diagonal, off_square);
-    let (mut below, mut x, mut back) = (0.0, above, 4.0 * f64::EPSILON);
-    for _ in 0..MAX_STEPS {
-        if let Some((g, h)) = log_derivatives(diagonal, off_square, x) {
-            above = x;
-            let ratio = g * g / h;
-            let multiplicity = ratio.round().clamp(1.0, n);
-            let step = n / (g + ((n - multiplicity) / multiplicity * (n * h - g * g)).max(0.0).sqrt());
-            x -= step;
-            // Convergence to a single root is cubic: its next distance is about the distance times the square of what the ratio is off.
-            let is_single = multiplicity == 1.0 && step * (ratio - 1.0).powi(2) <= 1e-17 * x;
-            if is_single || step <= 1e-16 * above {
-                return x;
-            }
-        } else {
-            below = x;
-        }
-        if above - below <= 1e-15 * above {
-            break;
-        }
-        if x <= below {
-            x = (below + back * above).min(0.5 * (below + above));
-            back *= 16.0;
-        }
-    }
-    above
+    let interval = (upper_bound(diagonal, off_square), 0.0);
+    outermost_root(diagonal.len(), interval, |x| log_derivatives(diagonal, off_square, x))
 }
 
 /// Returns Σ 1/(x − λ_i) and Σ 1/(x − λ_i)² over the eigenvalues; `None` where x does not exceed all of them.

@@ -139,10 +139,10 @@ impl Found {
         self.outside[noisy].iter().filter(|outside| **outside > distance).count()
     }
 
-    /// Returns the distance behind the plane that this share of the approaches does not exceed, mm.
-    fn quantile(&self, noisy: usize, share: f64) -> f64 {
+    /// Returns the distance behind the plane that so many percent of the approaches do not exceed, mm.
+    fn quantile(&self, noisy: usize, percent: usize) -> f64 {
         let list = &self.outside[noisy];
-        1e3 * list[((list.len() - 1) as f64 * share).round() as usize]
+        1e3 * list[(list.len() - 1) * percent / 100]
     }
 
     /// Asserts that approaches seldom pass the plane by more than a millimetre.
@@ -154,7 +154,7 @@ impl Found {
             self.reached()
         );
         assert!(self.reached() > 150 && *fast > 50 && *calm > 100, "{outside:?}");
-        assert!(self.quantile(0, 0.95) <= 0.5 && self.quantile(1, 0.95) <= 1.0 && passed <= 8, "{outside:?}");
+        assert!(self.quantile(0, 95) <= 0.5 && self.quantile(1, 95) <= 1.0 && passed <= 8, "{outside:?}");
     }
 }
 
@@ -228,7 +228,7 @@ fn table_of_fast_approaches() {
     ] {
         let found = approaches(arms, rise, 1..11);
         for (noisy, noise) in ["0", "1e-4 rad"].into_iter().enumerate() {
-            let [most, nearly_all, worst] = [0.95, 0.99, 1.0].map(|share| found.quantile(noisy, share));
+            let [most, nearly_all, worst] = [95, 99, 100].map(|percent| found.quantile(noisy, percent));
             let (passed, far) = (found.passed(noisy, 1e-3), found.passed(noisy, 5e-3));
             println!(
                 "| {label} | {noise} | {} | {most:.2}, {nearly_all:.2}, {worst:.1} | {passed}, {far} |",

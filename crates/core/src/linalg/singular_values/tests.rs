@@ -31,3 +31,15 @@ fn counts_the_smallest_value_and_the_product_are_those_of_the_decomposition() {
     singular.decompose(2, [0.0; 4].into_iter());
     assert_eq!((singular.count_from(0.0), singular.smallest(), singular.product()), (0, 0.0, 0.0));
 }
+
+/// A posture of all joints beside a task: as many singular values are one as the task leaves joints.
+#[test]
+fn the_smallest_value_is_exact_where_values_coincide() {
+    let mut singular = SingularValues::default();
+    for (n, m) in [(1, 0), (2, 0), (7, 0), (7, 1), (7, 3), (7, 5), (7, 6), (32, 6), (32, 30)] {
+        let task = |i: usize, j: usize| ((3 * i * i + 5 * i * j + 7 * j) as f64).sin();
+        let entry = |i: usize, j: usize| if j < m { task(i, j) } else { f64::from(u8::from(i == j - m)) };
+        singular.decompose(n + m, (0..n).flat_map(|i| (0..n + m).map(move |j| entry(i, j))));
+        assert!((singular.smallest() - 1.0).abs() < 1e-14, "{n} joints, {m} rows: {}", singular.smallest());
+    }
+}
