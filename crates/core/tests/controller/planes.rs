@@ -145,7 +145,7 @@ impl Found {
         1e3 * list[(list.len() - 1) * percent / 100]
     }
 
-    /// Asserts that approaches seldom pass the plane by more than a millimetre.
+    /// Asserts that approaches seldom pass the plane by more than a millimetre, and swing by little at rest.
     fn check(&self) {
         let passed = self.passed(0, 1e-3) + self.passed(1, 1e-3);
         let Self { outside, swing, fast, calm, still_sliding, violated } = self;
@@ -155,6 +155,7 @@ impl Found {
         );
         assert!(self.reached() > 150 && *fast > 50 && *calm > 100, "{outside:?}");
         assert!(self.quantile(0, 95) <= 0.5 && self.quantile(1, 95) <= 1.0 && passed <= 8, "{outside:?}");
+        assert!(swing.iter().all(|swing| *swing <= 2e-3), "{swing:?}");
     }
 }
 
