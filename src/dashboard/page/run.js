@@ -11,7 +11,7 @@ import { ApiError, events, post, remove } from './transport.js';
  */
 
 /** Number of tries to start a run while the service is busy, and the time between them, ms. */
-const TRIES = 20;
+const TRIES = 6;
 const BETWEEN = 150;
 
 /** One run; `follow` receives its frames until it ends or is deleted. */

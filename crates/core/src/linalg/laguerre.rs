@@ -3,7 +3,8 @@
 /// Maximum number of steps. About four are needed, and about ten where roots coincide.
 const MAX_STEPS: usize = 100;
 
-/// How far from a whole number the multiplicity of the nearest root may seem to be.
+/// How far from a whole number the multiplicity of the nearest root may seem to be. With more, distant roots look like one, and more steps pass
+/// the root.
 const MULTIPLICITY_ERROR: f64 = 0.01;
 
 /// Returns the nearest root to the start of an interval, to rounding: the smallest or the largest one of a polynomial of this degree.

@@ -39,7 +39,7 @@ impl Engine {
         solver
     }
 
-    /// Returns the solver of a problem that [`Self::factorize`] got last.
+    /// Returns the solver of the problem that [`Self::factorize`] got last, if no other problem was solved since.
     pub fn factorized(&mut self, levels: &Hierarchy) -> &mut dyn SizedSolver {
         self.solver.of_width(levels)
     }

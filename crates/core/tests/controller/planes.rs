@@ -145,16 +145,18 @@ impl Found {
         1e3 * list[(list.len() - 1) * percent / 100]
     }
 
-    /// Asserts that approaches seldom pass the plane by more than a millimetre, and swing by little at rest.
-    fn check(&self) {
+    /// Asserts that approaches seldom pass the plane by more than a millimetre, and swing by little at rest, and that few cannot keep the plane.
+    fn check(&self, may_violate: usize) {
         let passed = self.passed(0, 1e-3) + self.passed(1, 1e-3);
         let Self { outside, swing, fast, calm, still_sliding, violated } = self;
+        let most = [0, 1].map(|noisy| self.quantile(noisy, 95));
         println!(
-            "{passed} of {} pass, {fast} fast, {calm} calm, {still_sliding} slide, {violated} violate, swing {swing:?}",
+            "{passed} of {} pass, {fast} fast, {calm} calm, {still_sliding} slide, {violated} violate, 95 % within {most:?} mm, swing {swing:?}",
             self.reached()
         );
         assert!(self.reached() > 150 && *fast > 50 && *calm > 100, "{outside:?}");
-        assert!(self.quantile(0, 95) <= 0.5 && self.quantile(1, 95) <= 1.0 && passed <= 8, "{outside:?}");
+        assert!(most[0] <= 0.2 && most[1] <= 0.4 && passed <= 4, "{outside:?}");
+        assert!(*violated <= may_violate, "{violated} approaches cannot keep the plane");
         assert!(swing.iter().all(|swing| *swing <= 2e-3), "{swing:?}");
     }
 }
@@ -195,14 +197,14 @@ fn approaches(arms: &[Arc<RobotModel>], rise: Option<f64>, sequences: Range<u64>
 
 #[test]
 fn fast_approaches_stop_at_the_plane_in_any_posture() {
-    approaches(&built_in()[..5], None, 1..2).check();
+    approaches(&built_in()[..5], None, 1..2).check(10);
 }
 
 /// Arms that need 200 ms to reach their acceleration pass planes far more often.
 #[test]
 fn fast_approaches_of_arms_with_jerk_limits_stop_at_the_plane() {
     for rise in [0.01, 0.05] {
-        approaches(&built_in()[..5], Some(rise), 1..2).check();
+        approaches(&built_in()[..5], Some(rise), 1..2).check(usize::MAX);
     }
     let slow = approaches(&built_in()[..5], Some(0.2), 1..2);
     assert!(slow.passed(0, 1e-3) + slow.passed(1, 1e-3) <= 20, "{slow:?}");
@@ -210,7 +212,7 @@ fn fast_approaches_of_arms_with_jerk_limits_stop_at_the_plane() {
 
 #[test]
 fn fast_approaches_of_arms_of_other_sizes_stop_at_the_plane() {
-    approaches(&built_in()[5..], None, 1..2).check();
+    approaches(&built_in()[5..], None, 1..2).check(10);
 }
 
 #[test]
