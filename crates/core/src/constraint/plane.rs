@@ -234,3 +234,6 @@ fn stopping_speed(JointBraking { deceleration, reaction_s }: JointBraking, along
 fn square(entries: &[f64]) -> f64 {
     entries.iter().map(|entry| entry * entry).sum()
 }
+
+#[cfg(test)]
+mod tests;
