@@ -110,6 +110,7 @@ const FILES: &[(&str, &str)] = &files![
     "solid_scene.js",
     "solids.js",
     "solver_plot.js",
+    "start.js",
     "state.js",
     "surroundings.js",
     "svg.js",

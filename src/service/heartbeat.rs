@@ -22,8 +22,9 @@ const TICK: Duration = Duration::from_millis(100);
 /// Time between two beats.
 const BEAT: Duration = Duration::from_millis(40);
 
-/// Number of ticks without a beat after which connections are answered with 503.
-const LATE_TICKS: u32 = 5;
+/// Number of ticks without a beat after which connections are answered with 503: 1 s. Beside other programs that take all
+/// processors, half a second without a beat was seen at a service that was not stuck.
+const LATE_TICKS: u32 = 10;
 
 /// Maximum number of connections that are answered in one tick, and the time for the request of each.
 const ANSWERS_PER_TICK: usize = 32;

@@ -136,6 +136,32 @@ test('the page shows that the server was killed and that it is available again',
   await next.stop();
 });
 
+/** Lets the service refuse a file of the page: the first `times` requests. */
+async function refuseFile(context, name, times) {
+  await context.route(`**/dashboard/${name}`, (route) => {
+    times -= 1;
+    return times < 0 ? route.fallback() : route.fulfill({ status: 503, headers: { 'retry-after': '1' } });
+  });
+}
+
+test('the page loads again when a file was refused, and says so when it gives up', options, async () => {
+  const service = await serve();
+  const context = await browser.newContext();
+  await refuseFile(context, 'scene.js', 1);
+  await refuseFile(context, 'style.css', 2);
+  const page = await context.newPage();
+  await page.goto(`${service.url}/#scenario=stiff_wall`);
+  await waitForState(page, 'connection', 'ready');
+  assert.equal(await page.inputValue('#scenario'), 'stiff_wall');
+  assert.equal(await page.evaluate(() => [...document.styleSheets].length), 1);
+  await refuseFile(context, 'scene.js', Infinity);
+  await page.evaluate(() => sessionStorage.setItem('revprio-retries', '9'));
+  await page.reload();
+  await waitForText(page, '#connection', /^The page was not loaded; reload it$/);
+  await context.close();
+  await service.stop();
+});
+
 test('the page shows that the server is overloaded, and can try again', options, async () => {
   const service = await serve();
   const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=stiff_wall`);
