@@ -103,5 +103,7 @@ pub fn write_bounds(problem: &Problem, hierarchy: &Hierarchy, solution: &Solutio
             answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
         }
     }
+    // The levels need not be in the order of the names.
+    set.sort_unstable_by_key(|bound| bound.id);
     answer.active_set = vec![set];
 }

@@ -12,7 +12,7 @@ use revprio_robot::kinematics::ConfigurationError;
 use super::config::{Controller, ControllerConfig, TaskConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
 use crate::channel::ChannelState;
-use crate::law::{ContactAxis, ContactPhase};
+use crate::law::{ContactAxis, ContactLaw, ContactPhase};
 use crate::resolution::Solver;
 use crate::streaming::TargetStream;
 
@@ -135,16 +135,21 @@ fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig
     new.channels.iter().map(|channel| known(&channel.name).cloned().unwrap_or_default()).collect()
 }
 
+/// Returns the contact law of the old task with the name and the rows of a new one, and its contacts.
+fn contact_before<'a>(
+    memory: &'a Memory,
+    old: &'a ControllerConfig,
+    task: &TaskConfig,
+) -> Option<(&'a ContactLaw, &'a [ContactAxis])> {
+    let same = task_index(old, &task.name).filter(|&k| old.tasks[k].rows == task.rows)?;
+    Some((old.tasks[same].law.contact()?, old.contacts_of(same, &memory.contacts)?))
+}
+
 /// Checks that no contact law which presses reverses its direction.
 fn check_directions(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Result<(), TransitionError> {
     for (task, config) in new.tasks.iter().enumerate() {
-        let Some(law) = config.law.contact() else { continue };
-        let same = task_index(old, &config.name).filter(|&k| old.tasks[k].rows == config.rows);
-        let Some((before, axes)) =
-            same.and_then(|k| Some((old.tasks[k].law.contact()?, old.contacts_of(k, &memory.contacts)?)))
-        else {
-            continue;
-        };
+        let before = contact_before(memory, old, config);
+        let Some((law, (before, axes))) = config.law.contact().zip(before) else { continue };
         let presses = |axis: &ContactAxis| matches!(axis.phase, ContactPhase::Contact | ContactPhase::Loss);
         let reverses = |row: usize| law.direction(row) != before.direction(row) && presses(&axes[row]);
         if (0..law.rows()).any(reverses) {
@@ -158,16 +163,16 @@ fn check_directions(memory: &Memory, old: &ControllerConfig, new: &ControllerCon
 /// replaces the controller has seen it.
 fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ContactAxis> {
     let mut contacts = Vec::new();
-    for task in new.tasks.iter().filter(|task| task.law.contact().is_some()) {
-        let same = task_index(old, &task.name).filter(|&k| old.tasks[k].rows == task.rows);
-        let known = same.and_then(|k| Some((k, old.contacts_of(k, &memory.contacts)?)));
-        let follows = |task: &TaskConfig| task.law.contact().is_some_and(|law| law.surface().is_some());
-        let direction = |task: &TaskConfig, row| task.law.contact().map(|law| law.direction(row));
+    for task in &new.tasks {
+        let Some(law) = task.law.contact() else { continue };
+        let before = contact_before(memory, old, task);
         for row in 0..task.rows.len() {
             // The memory is along the pressing direction, which may be that of a surface.
-            let known = known.filter(|(k, _)| direction(&old.tasks[*k], row) == direction(task, row));
-            let known = known.filter(|(k, _)| follows(&old.tasks[*k]) == follows(task));
-            let axis = known.map_or(ContactAxis::START, |(_, known)| known[row]);
+            let is_along_it = |before: &ContactLaw| {
+                before.direction(row) == law.direction(row) && before.surface().is_some() == law.surface().is_some()
+            };
+            let axis =
+                before.filter(|(before, _)| is_along_it(before)).map_or(ContactAxis::START, |(_, axes)| axes[row]);
             let is_fault = matches!(axis.phase, ContactPhase::Fault(_));
             contacts.push(if is_fault { ContactAxis::START } else { axis });
         }

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::collision::{CollisionAvoidance, CollisionAvoidanceError, Obstacle, ObstacleShape, ObstacleState};
-use revprio_core::constraint::Constraint;
+use revprio_core::constraint::{APPROACH_RATE, Constraint, PlanePoint, VirtualPlane};
 use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, Measurement, StepError, Stepper, TaskConfig,
 };
 use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
+use revprio_core::resolution::BoundId;
 use revprio_core::rows::TaskRows;
 use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};
 use revprio_robot::collision::{LinkCapsule, OrientedBox, PlacedBody, Segment, StatedPair};
@@ -416,6 +417,48 @@ fn an_arm_keeps_clear_of_a_standing_room_and_of_itself() {
         with_rows += outcome.with_rows;
     }
     assert!(with_rows > 500, "the arms met obstacles in {with_rows} periods");
+}
+
+/// Obstacles come before planes among the levels and after them by name, and so do moving obstacles before standing ones that are
+/// named later. Each memory is accepted with the next state.
+#[test]
+fn planes_and_obstacles_hold_an_arm_together() {
+    let robot = panda(false);
+    let table = VirtualPlane::new("table", [0.0, 0.0, -1.0], -0.3, PlanePoint::Tool, APPROACH_RATE).unwrap();
+    let mut together = [0, 0];
+    for seed in 1..=12 {
+        let setup = Setup { seed, period: 0.004, drive: IDEAL, ball: 0.1, ..Setup::default() };
+        let mut config = config(&robot, setup);
+        let Some(Constraint::Distances(avoidance)) = config.constraints.first_mut() else { panic!() };
+        avoidance.obstacles.sort_by_key(|obstacle| !obstacle.moves);
+        config.constraints.insert(0, Constraint::Plane(table.clone()));
+        let controller = Controller::new(config).unwrap();
+        let mut stepper = Stepper::new(controller.clone()).unwrap();
+        let mut arm = LaggingArm::at_rest(&HOME, setup.drive, 0.0, seed);
+        let (mut random, mut memory) = (Random(seed), None);
+        for i in 0..2500 {
+            let time_s = f64::from(i) * setup.period;
+            let mut measured = arm.measure(time_s);
+            measured.obstacles = vec![ObstacleState {
+                name: "ball".into(),
+                position: Vector3::new(0.6, 0.0, 0.15),
+                velocity: Vector3::zeros(),
+            }];
+            if i % 100 == 0 {
+                measured.targets = targets(&robot, &controller.config().tasks, time_s, &mut random);
+            }
+            let command = stepper.step(&mut memory, &measured).unwrap();
+            arm.follow(command.resolution.joint_velocity.as_slice(), setup.period);
+            let holds = |wanted: usize| {
+                let mut active = command.resolution.active_constraints().map(|(_, active)| active.bound.id);
+                active.any(|id| matches!(id, BoundId::Constraint { index, .. } if index == wanted))
+            };
+            together[0] += usize::from(holds(0) && holds(1));
+            together[1] += usize::from(command.resolution.active_constraints().filter(|_| holds(1)).count() > 1);
+        }
+    }
+    println!("{together:?}");
+    assert!(together.iter().all(|&periods| periods > 10), "{together:?}");
 }
 
 /// A ball that comes at 0.1 m/s is no standing obstacle: the arm goes out of its way.

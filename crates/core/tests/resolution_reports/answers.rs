@@ -191,3 +191,23 @@ fn a_negative_zero_gives_the_bits_of_zero() {
         assert_eq!(bits(seed, -0.0), bits(seed, 0.0), "{seed}");
     }
 }
+
+/// Levels of inequalities need not be in the order of their names; active sets are, because a memory with another order is refused.
+#[test]
+fn active_sets_are_in_the_order_of_names() {
+    let along = |joint: usize| (0..N).map(|j| f64::from(u8::from(j == joint))).collect::<Vec<_>>();
+    let inequality = |joint: usize, level: u8| {
+        let mut inequality = Inequality::new("", along(joint), 0.5).unwrap();
+        inequality.set_level(level);
+        inequality
+    };
+    let goal = Task::new("goal", Matrix::identity(N, N), Vector::from_element(N, 1.0));
+    for solver in [Solver::Auto, Solver::Qp] {
+        let inequalities = vec![inequality(0, u8::MAX), inequality(1, 1), inequality(2, 0)];
+        let problem = Problem { inequalities, ..Problem::new(TaskStack::new(vec![goal.clone()]).unwrap()) };
+        let answer = resolve_with(solver, &problem, &[]).unwrap();
+        let names = [0, 1, 2].map(|index| Bound::upper(BoundId::Constraint { index, row: 0 }));
+        assert_eq!(answer.active_set[0][..], names, "{solver:?}");
+        assert_eq!(resolve(&problem, &answer.active_set).unwrap().solver.working_sets, 1);
+    }
+}
