@@ -2780,7 +2780,7 @@ class ControllerConfig(Body):
     - tool_offset: Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works,
       such as the tip of a gripper; default: that frame itself.
     - valid_for_ms: Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes
-      after it. Default 100.
+      after it, and before the next answer comes if it is shorter than a period. Default 100.
     - why: Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a
       fault; it makes answers longer. Default `false`.
     - wrench_convention: Sign of the wrench in the states: who exerts it on whom. Set `on_tool` for a wrist sensor
@@ -2847,8 +2847,8 @@ class ControllerConfig(Body):
     """Pose of the tool point and axes in the robot's own tool frame, m. Set it to the point that works, such as the tip
     of a gripper; default: that frame itself."""
     valid_for_ms: int | None = None
-    """Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it. Default
-    100."""
+    """Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it, and
+    before the next answer comes if it is shorter than a period. Default 100."""
     why: bool | None = None
     """Whether every answer has `why`, sentences that say what restricts it. Set it while you tune or look for a fault;
     it makes answers longer. Default `false`."""
@@ -4768,9 +4768,9 @@ class StepAnswer(Answer):
     - solver: Solver path, status and optimality check.
     - tasks: Outcome of each task, highest priority first.
     - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
-      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would
-      otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not
-      `closed_form`.
+      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period,
+      if a joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver`
+      is not `closed_form`.
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
@@ -4815,8 +4815,9 @@ class StepAnswer(Answer):
     """Outcome of each task, highest priority first."""
     valid_for_ms: int
     """Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
-    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter if a joint would otherwise leave its
-    range before it stops, if the `limits` include positions and the `solver` is not `closed_form`."""
+    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period, if a joint
+    would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not
+    `closed_form`."""
     violated_limits: list[ViolatedLimit]
     """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
     contain."""

@@ -86,8 +86,8 @@ pub struct Controller {
     /// warns of unstable axes. Default: unknown.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
-    /// Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it. Default
-    /// 100.
+    /// Maximum validity of an answer, ms. Set it to a few periods of your loop: your watchdog brakes after it, and before the next
+    /// answer comes if it is shorter than a period. Default 100.
     #[serde(
         default = "default_valid_for_ms",
         deserialize_with = "integer::deserialize",

@@ -289,7 +289,7 @@ impl CollisionGuard {
     }
 
     /// Returns a time, at most `longest` (s), after which a watchdog can brake so that the stop is free: `longest`, or else S, 2 S, 4 S …
-    /// as long as that holds.
+    /// as long as that holds. Without such a time, the command lasts its own period.
     fn hold_time(&mut self, moment: Moment, command: &[f64], longest: f64) -> f64 {
         if self.report.stop_s == 0.0 {
             return longest;
@@ -304,13 +304,7 @@ impl CollisionGuard {
             held = Some(time);
             time *= 2.0;
         }
-        held.unwrap_or_else(|| if self.may_act_for_a_period(moment, command) { self.period } else { 0.0 })
-    }
-
-    /// Returns whether a watchdog may brake after one period.
-    fn may_act_for_a_period(&mut self, moment: Moment, command: &[f64]) -> bool {
-        // The command was allowed for one period, and a watchdog brakes as its stop does if that keeps no jerk limits.
-        self.report.is_violated || !self.keeps_jerk || self.refused_after(moment, command, self.period).is_none()
+        held.unwrap_or(self.period)
     }
 
     /// Returns when the arm comes too near if a command is held for a time and a watchdog then brakes, all in s; `None`: never.

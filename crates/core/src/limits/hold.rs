@@ -40,6 +40,9 @@ use super::LimitKind;
 use super::braking::{NOISE_TOLERANCE, spare_time, stopping_deceleration};
 use crate::arm_state::JointMotion;
 
+/// Part of a period that rounding may add, ms.
+const ROUNDING_MS: f64 = 1e-9;
+
 /// Distance beyond a limit that counts as inside, rad or m, because measured positions are rounded.
 const POSITION_TOLERANCE: f64 = 5e-7;
 
@@ -49,7 +52,7 @@ const SPEED_NOISE_TOLERANCE: f64 = 1e-3;
 /// How long a command may be held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
-    /// Maximum time from the measurement to the start of braking, s; never negative, infinite without a bound.
+    /// Maximum time from the measurement to the start of braking, s; in an answer at least a period; infinite without a bound.
     pub time_s: f64,
     /// Joints (index from 0) that cannot stop inside their range, even if they brake now.
     pub too_fast: Vec<usize>,
@@ -66,6 +69,13 @@ impl Hold {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is from 0 to the maximum")]
     pub fn valid_for_ms(&self, longest: u64) -> u64 {
         (self.time_s * 1e3).min(longest as f64) as u64
+    }
+
+    /// Lets a command be held for a period T (`period`, s) at least, rounded up to whole ms.
+    ///
+    /// The next period counts with the command. A client that threw it away would go on with an older one, which may be faster.
+    pub fn last_a_period(&mut self, period: f64) {
+        self.time_s = self.time_s.max((period * 1e3 - ROUNDING_MS).ceil() * 1e-3);
     }
 
     /// Updates the hold time of a command. Limits without positions do not bound it.

@@ -66,6 +66,7 @@ pub(super) fn record<'a>(
         if let Some(collisions) = &command.collisions {
             command.hold.time_s = command.hold.time_s.min(collisions.clear_for_s);
         }
+        command.hold.last_a_period(config.period_s);
     }
     if let Some(ahead) = virtual_arm {
         match &mut memory.virtual_arm {
