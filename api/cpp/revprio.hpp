@@ -44,6 +44,7 @@ struct PressOptions {
 struct WipeOptions : PressOptions {
     double stroke_m = 0.1; ///< Way from the start along the axis and back; negative: the other direction.
     double speed = 0.05;   ///< Largest speed, m/s.
+    double start_time_s = 0; ///< `time_s` of the states at which the motion begins; on the clock of Unix it counts from the first state.
     Json frame = "base";   ///< Axes of pressing, motion and hold; a pose for a tilted surface.
     std::optional<double> max_tilt_rad = {}; ///< Largest tilt of a surface of unknown direction, which the axes follow; default: they stay.
 };
@@ -94,17 +95,20 @@ inline Json push(const std::string& axis, double newtons, const PressOptions& op
     return tasks;
 }
 
-/// Returns the tasks that press along one axis and move back and forth along another one, "x", "y" or "z". The motion begins with the
-/// first state, also while the tool still approaches the surface.
+/// Returns the tasks that press along one axis and move back and forth along another one, "x", "y" or "z". The motion begins at
+/// `start_time_s`, also while the tool still approaches the surface. State it if the tasks replace others while the arm moves, or if the
+/// first state has another time than 0: the arm would else catch up with the motion, faster than `speed`.
 inline Json wipe(const std::string& axis, double newtons, const std::string& along, const WipeOptions& options = {}) {
     if ((along != "x" && along != "y" && along != "z") || along == axis)
         throw std::invalid_argument("move along x, y or z, and along another axis than the one along which the tool presses");
     if (!std::isfinite(options.stroke_m) || options.stroke_m == 0)
         throw std::invalid_argument("give a way; its sign is the direction in which the motion begins");
     if (!std::isfinite(options.speed) || options.speed <= 0) throw std::invalid_argument("give a speed above 0");
+    if (!std::isfinite(options.start_time_s)) throw std::invalid_argument("give a start time, s on the clock of the states");
     const double half = options.stroke_m / 2;
-    const Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half},
-                   {"angular_frequency_rad_s", options.speed / std::abs(half)}, {"phase_rad", -std::acos(0.0)}};
+    const double rate = options.speed / std::abs(half);
+    const Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half}, {"angular_frequency_rad_s", rate},
+                   {"phase_rad", -std::acos(0.0) - rate * options.start_time_s}};
     const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
     Json law = presets::contact_law(newtons, options);
     if (options.max_tilt_rad) {

@@ -236,6 +236,10 @@ void presets(revprio::Client& client) {
     following.max_tilt_rad = 0.6;
     const auto followed = revprio::wipe("z", -15, "y", following);
     check(followed.at(0).at("law").at("surface").at("max_tilt_rad") == 0.6, "a wipe follows a surface");
+    revprio::WipeOptions later;
+    later.start_time_s = 3;
+    const auto phase = revprio::wipe("z", -15, "y", later).at(1).at("law").at("target_displacement").at("phase_rad").get<double>();
+    check(std::abs(phase + std::acos(0.0) + 3) < 1e-12, "a wipe begins when it is told");
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "z"); }, "a wipe along the pressing axis is refused");
     for (const auto& held : {revprio::Json({"z"}), revprio::Json({"y"}), revprio::Json({"x", "x"})}) {
         revprio::WipeOptions twice;

@@ -167,8 +167,12 @@ pub struct SweepOptions {
     /// Largest speed of the motion, m/s, up to 2
     #[arg(long, default_value_t = 0.05)]
     speed: f64,
+    /// Time of the states at which the motion begins, s. Give it if the tasks replace others while the arm moves, or if the first state
+    /// has another time than 0: the arm would else catch up with the motion, faster than --speed
+    #[arg(long, default_value_t = 0.0)]
+    start_time_s: f64,
     /// Largest tilt of a surface of unknown direction, whose normal the axes follow, rad, up to 1.4; if left out, they stay. The motion
-    /// begins with the first state: start the arm in touch
+    /// begins at --start-time-s: start the arm in touch
     #[arg(long)]
     max_tilt_rad: Option<f64>,
 }
@@ -180,7 +184,7 @@ pub fn run_push(options: &PushOptions) -> Result<(), CliError> {
 }
 
 pub fn run_wipe(options: &SweepOptions) -> Result<(), CliError> {
-    let SweepOptions { press, along, stroke_m, speed, max_tilt_rad } = options;
+    let SweepOptions { press, along, stroke_m, speed, start_time_s, max_tilt_rad } = options;
     press.check_sizes()?;
     STROKE.check_magnitude(*stroke_m)?;
     SPEED.check(*speed)?;
@@ -189,6 +193,7 @@ pub fn run_wipe(options: &SweepOptions) -> Result<(), CliError> {
         press: press.options(),
         stroke_m: *stroke_m,
         speed: *speed,
+        start_time_s: *start_time_s,
         frame: Frame::Base,
         max_tilt_rad: *max_tilt_rad,
     };

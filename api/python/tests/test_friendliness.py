@@ -268,6 +268,26 @@ def test_a_wipe_keeps_its_force_on_a_surface_with_friction(tilt: float) -> None:
     assert way.max() == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.parametrize(("first_s", "change_s"), [(0.0, 1.0), (3.14, None), (1.7e9, 1.0)])
+def test_a_wipe_is_never_faster_than_stated(first_s: float, change_s: float | None) -> None:
+    """Whether it replaces a push, or begins on a clock that is not zero; in free space."""
+    q, period_s, speed = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8]), 0.004, 0.05
+    begins_s = first_s + (change_s or 0.0)
+    start_s = begins_s - first_s if first_s > 1e9 else begins_s
+    wipe = revprio.wipe("z", -15, "x", speed=speed, start_time_s=start_s, period_s=period_s)
+    tasks = wipe if change_s is None else revprio.push("z", -15, period_s=period_s)
+    fastest = 0.0
+    with revprio.Controller(robot="panda", period_s=period_s, tasks=tasks) as arm:
+        for k in range(750):
+            if change_s is not None and k == round(change_s / period_s):
+                arm.change(tasks=wipe)
+            answer = arm.step(q, wrench=[0, 0, 0, 0, 0, 0], time_s=first_s + k * period_s)
+            if answer.tasks[1].name == "wipe":
+                fastest = max(fastest, abs(answer.tasks[1].achieved[0]))
+            q = q + period_s * answer.joint_velocity
+    assert 0.9 * speed < fastest < 1.1 * speed
+
+
 @pytest.mark.parametrize(
     ("arguments", "pointer"),
     [
@@ -277,6 +297,7 @@ def test_a_wipe_keeps_its_force_on_a_surface_with_friction(tilt: float) -> None:
         ({"newtons": 5, "along": "y", "stroke_m": 0}, "/stroke_m"),
         ({"newtons": 5, "along": "y", "stroke_m": np.nan}, "/stroke_m"),
         ({"newtons": 5, "along": "y", "speed": 0}, "/speed"),
+        ({"newtons": 5, "along": "y", "start_time_s": np.inf}, "/start_time_s"),
         ({"newtons": 5, "along": "y", "max_tilt_rad": 0}, "/max_tilt_rad"),
         ({"newtons": 5, "along": "y", "hold": ["z"]}, "/hold"),
         ({"newtons": 5, "along": "y", "hold": ["x", "y"]}, "/hold"),

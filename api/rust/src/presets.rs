@@ -55,6 +55,8 @@ pub struct WipeOptions {
     pub stroke_m: f64,
     /// Largest speed, m/s.
     pub speed: f64,
+    /// Time of the states at which the motion begins, s; 0: that of the first one. On the clock of Unix it counts from the first state.
+    pub start_time_s: f64,
     /// Axes of pressing, motion and hold; a pose for a tilted surface.
     pub frame: Frame,
     /// Largest tilt of a surface whose direction is not known, rad. These axes then follow its normal; `None`: they stay.
@@ -64,7 +66,14 @@ pub struct WipeOptions {
 impl Default for WipeOptions {
     /// 10 cm and back at up to 5 cm/s along an axis of the base.
     fn default() -> Self {
-        Self { press: PressOptions::default(), stroke_m: 0.1, speed: 0.05, frame: Frame::Base, max_tilt_rad: None }
+        Self {
+            press: PressOptions::default(),
+            stroke_m: 0.1,
+            speed: 0.05,
+            start_time_s: 0.0,
+            frame: Frame::Base,
+            max_tilt_rad: None,
+        }
     }
 }
 
@@ -77,6 +86,9 @@ pub enum PresetError {
     /// The motion has no way.
     #[error("the stroke must be finite and not 0; its sign is the direction in which the motion begins")]
     Stroke,
+    /// The motion has no beginning.
+    #[error("the start time must be finite, s on the clock of the states")]
+    StartTime,
     /// A number is not positive.
     #[error("{0} must be finite and above 0")]
     NotPositive(&'static str),
@@ -102,23 +114,29 @@ pub fn push(axis: Axis, newtons: f64, options: &PressOptions) -> Result<Vec<Cont
     Ok(tasks)
 }
 
-/// Returns the tasks that press along one axis and move back and forth along another one. The motion begins with the first state, also
-/// while the tool still approaches the surface.
+/// Returns the tasks that press along one axis and move back and forth along another one. The motion begins at
+/// [`WipeOptions::start_time_s`], also while the tool still approaches the surface. State that time if the tasks replace others while the
+/// arm moves, or if the first state has another time than 0: the arm would else catch up with the motion, faster than
+/// [`WipeOptions::speed`].
 pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Result<Vec<ControllerTask>, PresetError> {
-    let WipeOptions { press, stroke_m, speed, frame, max_tilt_rad } = options;
+    let WipeOptions { press, stroke_m, speed, start_time_s, frame, max_tilt_rad } = options;
     if !matches!(along, Axis::X | Axis::Y | Axis::Z) || along == axis {
         return Err(PresetError::Along);
     }
     if !stroke_m.is_finite() || *stroke_m == 0.0 {
         return Err(PresetError::Stroke);
     }
+    if !start_time_s.is_finite() {
+        return Err(PresetError::StartTime);
+    }
     let half = 0.5 * stroke_m;
-    // From the start and back: half − half cos ω t.
+    let rate = positive("the speed", *speed)? / half.abs();
+    // From the start and back: half − half cos ω (t − t_0).
     let way = Profile::Sine {
         offset: PerAxis::All(half),
         amplitude: PerAxis::All(half),
-        angular_frequency_rad_s: positive("the speed", *speed)? / half.abs(),
-        phase_rad: -FRAC_PI_2,
+        angular_frequency_rad_s: rate,
+        phase_rad: -FRAC_PI_2 - rate * start_time_s,
     };
     let sweep = pose(Some(way), press);
     let tilt = max_tilt_rad.map(largest_tilt).transpose()?;
@@ -216,6 +234,17 @@ mod tests {
         let json = serde_json::to_value(&tasks[1]).unwrap();
         let way = &json["law"]["target_displacement"];
         assert_eq!((way["offset"].as_f64(), way["angular_frequency_rad_s"].as_f64()), (Some(-0.1), Some(0.5)));
+    }
+
+    #[test]
+    fn a_wipe_begins_at_its_start_when_it_is_told() {
+        let options = WipeOptions { start_time_s: 3.0, ..WipeOptions::default() };
+        let json = serde_json::to_value(&wipe(Axis::Z, -15.0, Axis::X, &options).unwrap()[1]).unwrap();
+        let number = |field: &str| json["law"]["target_displacement"][field].as_f64().unwrap();
+        let phase = number("angular_frequency_rad_s") * 3.0 + number("phase_rad");
+        assert!((number("offset") + number("amplitude") * phase.sin()).abs() < 1e-12, "{json}");
+        let never = WipeOptions { start_time_s: f64::INFINITY, ..options };
+        assert_eq!(wipe(Axis::Z, 5.0, Axis::X, &never), Err(PresetError::StartTime));
     }
 
     #[test]

@@ -51,6 +51,8 @@ export interface WipeOptions extends PushOptions {
   strokeM?: number;
   /** Largest speed, m/s; default 0.05. */
   speed?: number;
+  /** `time_s` of the states at which the motion begins; on the clock of Unix it counts from the first state. Default 0. */
+  startTimeS?: number;
   /** Axes of pressing, motion and hold; a pose for a tilted surface. Default `"base"`. */
   frame?: Frame;
   /** Largest tilt of a surface of unknown direction, whose normal these axes follow, rad; default: they stay. */
@@ -59,10 +61,11 @@ export interface WipeOptions extends PushOptions {
 
 /**
  * Returns the tasks that press with a force along one axis and move back and forth along another one, `x`, `y` or `z`.
- * The motion begins with the first state, also while the tool still approaches the surface.
+ * The motion begins at `startTimeS`, also while the tool still approaches the surface. State it if the tasks replace others while
+ * the arm moves, or if the first state has another time than 0: the arm would else catch up with the motion, faster than `speed`.
  */
 export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOptions = {}): ControllerTask[] {
-  const { strokeM = 0.1, speed = 0.05, frame = "base", maxTiltRad } = options;
+  const { strokeM = 0.1, speed = 0.05, startTimeS = 0, frame = "base", maxTiltRad } = options;
   if (!["x", "y", "z"].includes(along) || along === axis) {
     throw new RangeError("move along `x`, `y` or `z`, and along another axis than the one along which the tool presses");
   }
@@ -70,17 +73,19 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     throw new RangeError("give a way; its sign is the direction in which the motion begins");
   }
   if (!Number.isFinite(speed) || speed <= 0) throw new RangeError("give a speed above 0");
+  if (!Number.isFinite(startTimeS)) throw new RangeError("give a start time, s on the clock of the states");
   if (maxTiltRad !== undefined && !(maxTiltRad > 0 && maxTiltRad <= MOST_TILT_RAD)) {
     throw new RangeError(`give a largest tilt above 0, and at most ${MOST_TILT_RAD} rad`);
   }
   const gain = poseGain(options);
   const half = strokeM / 2;
+  const rate = speed / Math.abs(half);
   const way = {
     kind: "sine" as const,
     offset: half,
     amplitude: half,
-    angular_frequency_rad_s: speed / Math.abs(half),
-    phase_rad: -Math.PI / 2,
+    angular_frequency_rad_s: rate,
+    phase_rad: -Math.PI / 2 - rate * startTimeS,
   };
   const surface = maxTiltRad === undefined ? {} : { surface: { max_tilt_rad: maxTiltRad } };
   const tasks: ControllerTask[] = [

@@ -40,6 +40,10 @@ suite("presets", () => {
       assert.throws(() => wipe("z", -15, "y", { hold }), RangeError);
     }
     assert.throws(() => wipe("z", -15, "y", { speed: 0 }), RangeError);
+    assert.throws(() => wipe("z", -15, "y", { startTimeS: Number.NaN }), RangeError);
+    const later = wipe("z", -15, "y", { startTimeS: 3 })[1]?.law;
+    const phase = later?.kind === "pose" && later.target_displacement?.kind === "sine" ? later.target_displacement.phase_rad : undefined;
+    assert.equal(phase, -Math.PI / 2 - 3);
     assert.throws(() => wipe("z", -15, "y", { maxTiltRad: 0 }), RangeError);
     const [push] = wipe("z", -15, "y", { maxTiltRad: 0.6 });
     assert.deepEqual(push?.law?.kind === "contact" ? push.law.surface : undefined, { max_tilt_rad: 0.6 });

@@ -91,6 +91,7 @@ def wipe(  # noqa: PLR0913
     *,
     stroke_m: float = 0.1,
     speed: float = 0.05,
+    start_time_s: float = 0.0,
     frame: Frame = "base",
     max_tilt_rad: float | None = None,
     hold: Literal["rest"] | Sequence[Axis] | None = "rest",
@@ -103,13 +104,16 @@ def wipe(  # noqa: PLR0913
 ) -> list[ControllerTask]:
     """Returns the tasks that press with a force along one axis and move back and forth along another one.
 
-    The motion begins with the first state, also while the tool still approaches the surface. Friction at the surface
+    The motion begins at `start_time_s`, also while the tool still approaches the surface. Friction at the surface
     does not change it.
 
     `axis`: axis along which the tool presses; `newtons`: target force on the environment, N. Its sign is the direction
     in which the tool presses.
     `along`: axis of the motion, x, y or z; `stroke_m`: way from the start along this axis and back, m, negative for the
     other direction; `speed`: largest speed, m/s.
+    `start_time_s`: `time_s` of the states at which the motion begins; on the clock of Unix it counts from the first
+    state. State it if the tasks replace others while the arm moves, or if the first state has another time than 0: the
+    arm would else catch up with the motion, faster than `speed`.
     `frame`: axes of both, the base by default; a `Pose` for a tilted surface.
     `max_tilt_rad`: largest tilt of a surface of unknown direction, whose normal all these axes follow, rad; `None`:
     they stay. See docs/contact.md.
@@ -126,8 +130,10 @@ def wipe(  # noqa: PLR0913
         raise _invalid("/max_tilt_rad", f"give a number above 0, and at most {MOST_TILT_RAD}")
     gain = pose_gain(lag_s + delay_periods * period_s)
     half = stroke_m / 2
-    # From the start and back: half − half cos ω t.
-    way = SineProfile(offset=half, amplitude=half, angular_frequency_rad_s=speed / abs(half), phase_rad=-math.pi / 2)
+    rate = speed / abs(half)
+    # From the start and back: half − half cos ω (t − t_0).
+    phase = -math.pi / 2 - rate * _finite("/start_time_s", start_time_s)
+    way = SineProfile(offset=half, amplitude=half, angular_frequency_rad_s=rate, phase_rad=phase)
     law = _contact(newtons, approach_speed, stiffest, max_force)
     if max_tilt_rad is not None:
         law = law.model_copy(update={"surface": SurfaceFollowing(max_tilt_rad=max_tilt_rad)})
