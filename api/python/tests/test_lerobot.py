@@ -93,6 +93,37 @@ def test_a_jump_is_scaled_and_made_up_for(kinematics: RobotKinematics) -> None:
 
 
 @pytest.mark.parametrize(
+    "motors",
+    [
+        [*NAMES, "gripper"],
+        ["gripper", *NAMES],
+        ["gripper", *reversed(NAMES)],
+        ["gripper", *(f"motor_{name}" for name in NAMES)],
+    ],
+)
+def test_motors_are_the_joints_with_their_names(kinematics: RobotKinematics, motors: list[str]) -> None:
+    """Motors with other names are the joints in their order."""
+    step = EEToJoints(kinematics, motors)
+    named = {motor.removeprefix("motor_"): motor for motor in motors}
+    start = dict(zip([*NAMES, "gripper"], [*START, 10.0], strict=True))
+    goal = kinematics.forward_kinematics(START)
+    goal[1, 3] += 0.05
+    observation = {f"{motor}.pos": start[name] for name, motor in named.items()}
+    for _ in range(30):
+        now = step.process(ee_action(goal, 10.0), observation)
+    reached = kinematics.forward_kinematics([now[f"{named[name]}.pos"] for name in NAMES])
+    assert list(now) == [f"{motor}.pos" for motor in motors]
+    assert np.abs(reached[:3, 3] - goal[:3, 3]).max() < 1e-3
+    assert now["gripper.pos"] == 10.0
+
+
+@pytest.mark.parametrize("motors", [NAMES[:-1], [f"motor_{name}" for name in NAMES[:-1]]])
+def test_motors_that_lack_a_joint_are_refused(kinematics: RobotKinematics, motors: list[str]) -> None:
+    with pytest.raises(ValueError, match="joint"):
+        EEToJoints(kinematics, motors)
+
+
+@pytest.mark.parametrize(
     "wrong", [{}, {"ee.x": math.nan}, {"ee.x": None}, {"ee.wx": "a"}, {"ee.y": 1e300}, {"ee.wz": 10**400}]
 )
 def test_an_action_without_numbers_holds_the_last_one(kinematics: RobotKinematics, wrong: dict[str, object]) -> None:

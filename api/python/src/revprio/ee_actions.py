@@ -63,8 +63,9 @@ class RobotKinematics:
         finalizer.atexit = False
         self.urdf_path, self.target_frame_name = str(urdf_path), target_frame_name
         self._robot = robot.name
-        self._chain = [joint.name for joint in robot.joints]
-        self.joint_names = joint_names or [*self._chain, *(joint for joint in joints if joint not in self._chain)]
+        # The joints that move the frame, from the root on.
+        self.chain = [joint.name for joint in robot.joints]
+        self.joint_names = joint_names or [*self.chain, *(joint for joint in joints if joint not in self.chain)]
         unlimited = np.array([-np.inf, np.inf])
         ranges = [unlimited if joint.position_limit is None else joint.position_limit for joint in robot.joints]
         self._ranges = np.array(ranges)
@@ -80,7 +81,10 @@ class RobotKinematics:
         position_weight: float = 1.0,
         orientation_weight: float = 0.01,
     ) -> Array:
-        """Returns joint positions in degrees that reach a pose (4 × 4, m), or come as near as the joints can.
+        """Returns joint positions in degrees that reach a pose (4 × 4, m), or come near to it.
+
+        The iteration goes downhill from where it starts. From far away it may end where every small motion leads away
+        from the pose: compare `forward_kinematics` of the result with the pose.
 
         `current_joint_pos`: where the iteration starts, degrees; more entries than joints, such as a gripper, keep
         their values. The weights weigh metres against radians as in LeRobot. Numbers that are not finite change
@@ -97,7 +101,7 @@ class RobotKinematics:
             q = q + step
             if np.abs(step).max() < ARRIVED_RAD:
                 break
-        for joint, value in zip(self._chain, np.rad2deg(q), strict=True):
+        for joint, value in zip(self.chain, np.rad2deg(q), strict=True):
             result[self.joint_names.index(joint)] = value
         return result
 
@@ -124,7 +128,7 @@ class RobotKinematics:
 
     def _radians(self, degrees: Array) -> Array:
         """Returns the positions of the chain, rad."""
-        return np.deg2rad([degrees[self.joint_names.index(joint)] for joint in self._chain])
+        return np.deg2rad([degrees[self.joint_names.index(joint)] for joint in self.chain])
 
 
 @dataclass
@@ -132,9 +136,11 @@ class EEToJoints:
     """Turns end-effector actions into joint actions, as LeRobot's `InverseKinematicsEEToJoints`, and bounds them.
 
     An action has `ee.x` … `ee.z` (m), `ee.wx` … `ee.wz` (rotation vector, rad) and `ee.gripper_pos`; it becomes
-    `NAME.pos` (degrees) of each motor. Where a joint would move faster than allowed, all joints move by the same,
-    smaller part of the way: the direction stays, and nothing is raised. The next actions make up for it. An action that
-    lacks numbers, or has some that are not finite or beyond a million, holds the last joint action.
+    `NAME.pos` (degrees) of each motor. Motors with the names of the joints are those joints; with other names, they are
+    the joints of the kinematics in their order, apart from the gripper. Where a joint would move faster than allowed,
+    all joints move by the same, smaller part of the way: the direction stays, and nothing is raised. The next actions
+    make up for it. An action that lacks numbers, or has some that are not finite or beyond a million, holds the last
+    joint action.
 
     In a pipeline of LeRobot, use `revprio.lerobot_step.EEToJointsStep`.
     """
@@ -151,7 +157,16 @@ class EEToJoints:
     """Part of the way that the last action was allowed to go, 0 to 1."""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` for a period or a speed that is not a positive number: NaN would bound nothing."""
+        """Raises `ValueError` for a period or a speed that is not a positive number, and if some joints are no motors.
+
+        NaN would bound nothing.
+        """
+        missing = [joint for joint in self.kinematics.chain if joint not in self.motor_names]
+        if 0 < len(missing) < len(self.kinematics.chain):
+            raise ValueError(f"motor_names has some joints of the kinematics, but not {', '.join(missing)}")
+        arm = self._arm()
+        if missing and len(arm) < len(self.kinematics.chain):
+            raise ValueError(f"the kinematics has {len(self.kinematics.chain)} joints, motor_names only {len(arm)}")
         speeds = {"max_speed_deg_s": self.max_speed_deg_s}
         if isinstance(self.max_speed_deg_s, Mapping):
             speeds = {f"max_speed_deg_s of {name}": self._speed(name) for name in self._arm()}
@@ -167,7 +182,7 @@ class EEToJoints:
         kept = {key: value for key, value in action.items() if not key.startswith("ee.")}
         if self.last is None:
             self.last = {name: _observed(observation, name) for name in self.motor_names}
-        wanted = self._wanted(action, np.array([self.last[name] for name in self.motor_names]))
+        wanted = self._wanted(action, self.last)
         self._move_towards(wanted)
         return {**kept, **{f"{name}.pos": self.last[name] for name in self.motor_names}}
 
@@ -175,15 +190,22 @@ class EEToJoints:
         """Starts the next action from its observation."""
         self.last, self.scale = None, 1.0
 
-    def _wanted(self, action: Mapping[str, Any], current: Array) -> dict[str, float]:
+    def _motors(self) -> list[str]:
+        """Returns the motors in the order of the joints of the kinematics, and other joints by their own names."""
+        if set(self.kinematics.chain) <= set(self.motor_names):
+            return self.kinematics.joint_names
+        return [*self._arm(), *(name for name in self.motor_names if name == "gripper")]
+
+    def _wanted(self, action: Mapping[str, Any], last: Mapping[str, float]) -> dict[str, float]:
         names = ("ee.x", "ee.y", "ee.z", "ee.wx", "ee.wy", "ee.wz")
         numbers = [_number(action.get(name)) for name in names]
-        wanted = dict(zip(self.motor_names, current.tolist(), strict=True))
+        wanted = dict(last)
         if all(abs(number) <= LARGEST for number in numbers):
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = _rotation(numbers[3:]), numbers[:3]
-            solution = self.kinematics.inverse_kinematics(current, pose)
-            wanted = dict(zip(self.motor_names, solution.tolist(), strict=True))
+            motors = self._motors()
+            solution = self.kinematics.inverse_kinematics([last.get(motor, 0.0) for motor in motors], pose)
+            wanted |= {motor: value for motor, value in zip(motors, solution.tolist(), strict=True) if motor in last}
         gripper = _number(action.get("ee.gripper_pos"))
         if "gripper" in wanted and math.isfinite(gripper):
             wanted["gripper"] = gripper
