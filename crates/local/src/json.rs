@@ -8,6 +8,7 @@ use serde_json::error::Category;
 use serde_path_to_error::Segment;
 
 use crate::error::{ApiError, escape_pointer};
+use crate::inner_place::inner_place;
 
 /// Initial capacity, bytes: enough for the answer to a step. Growing from zero took a third of the instructions.
 const INITIAL_CAPACITY: usize = 2048;
@@ -36,7 +37,13 @@ pub fn explain<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
         let (place, cause) = (pointer(error.path()), error.into_inner());
         let detail = in_plain_words(&cause.to_string());
         match cause.classify() {
-            Category::Data => ApiError::invalid(place, detail),
+            Category::Data => {
+                let detail = match inner_place::<T>(bytes, &place) {
+                    Some(inner) => format!("in `{inner}`: {detail}"),
+                    None => detail,
+                };
+                ApiError::invalid(place, detail)
+            }
             _ if is_well_formed(bytes) => ApiError::invalid(place, detail),
             Category::Syntax | Category::Eof | Category::Io => ApiError::malformed(detail),
         }

@@ -16,6 +16,7 @@ pub mod clock;
 pub mod constraint_names;
 pub mod convert;
 pub mod error;
+mod inner_place;
 pub mod json;
 mod local;
 pub mod price;
