@@ -55,6 +55,37 @@ fn a_session_rests_before_a_post_and_says_which_pair_holds_it() {
     assert!(held["why"].to_string().contains(&format!("`{link}` keeps clear of `post`")), "{}", held["why"]);
 }
 
+/// An answer that was made continuous lies beside the bounds of its rows. One task alone is in no conflict.
+#[test]
+fn a_single_task_is_told_what_is_in_its_way_in_every_period() {
+    let service = Service::start();
+    for displacement in [[0.3, 0.0, -0.2], [0.0, 0.4, 0.0], [0.4, 0.0, 0.0]] {
+        let obstacles: Vec<Value> = [[0.6, 0.0], [0.4, 0.4]]
+            .iter()
+            .enumerate()
+            .map(|(k, [x, y])| json!({"name": format!("post{k}"), "capsule": {"start": [x, y, 0], "end": [x, y, 1], "radius": 0.05}}))
+            .collect();
+        let law =
+            json!({"kind": "pose", "gain": 3, "target_displacement": {"kind": "constant", "value": displacement}});
+        let id = service.open(&json!({"robot": "panda", "period_s": PERIOD, "why": true,
+            "collisions": {"min_distance_m": 0.02, "obstacles": obstacles}, "tasks": [{"name": "p", "axes": ["x", "y", "z"], "law": law}]}));
+        let (mut q, mut stands) = (HOME.to_vec(), 0);
+        for sequence in 0..1000 {
+            let answer = service.call(&format!("{id}/step"), &state(sequence, &q));
+            q.iter_mut().zip(numbers(&answer["joint_velocity"])).for_each(|(q, speed)| *q += PERIOD * speed);
+            let why: Vec<&str> = answer["why"].as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();
+            assert!(!why.contains(&"the tasks are in conflict"), "{sequence}: {why:?}");
+            let mut once = why.clone();
+            once.sort_unstable();
+            once.dedup();
+            assert_eq!(once.len(), why.len(), "{sequence}: {why:?}");
+            let is_told = why.iter().any(|text| text.contains("keeps clear of") || text.contains("is near `"));
+            stands += usize::from(sequence > 500 && is_told);
+        }
+        assert!(stands > 100, "{displacement:?}: {stands}");
+    }
+}
+
 #[test]
 fn stateless_steps_give_the_commands_of_a_session() {
     let service = Service::start();

@@ -175,11 +175,13 @@ fn the_states_of_a_contact_are_told_with_their_forces() {
     assert_eq!(said(&address, &[[0.0; 2]; 2], 0), "task `press` approaches its surface: 0 of 10 N");
     let pressing = [[10.0, 0.0], [10.2, 0.0], [9.9, 0.0], [10.1, 0.0]].repeat(3);
     assert_eq!(said(&address, &pressing, 2), "no limit is active; every task is achieved");
+    assert_eq!(said(&address, &[[8.0, 0.0]], 14), "task `press` presses: 8.0 of 10 N");
+    assert_eq!(said(&address, &pressing[..1], 15), "no limit is active; every task is achieved");
     // The tool has not moved, so its stiffness is not known, and the surface is soon given up.
-    let lost: Vec<_> = (14..34).map(|first| said(&address, &[[0.05, 0.0]], first)).collect();
+    let lost: Vec<_> = (16..36).map(|first| said(&address, &[[0.05, 0.0]], first)).collect();
     assert!(lost.iter().any(|text| text == "task `press` has lost its surface: 0.050 of 10 N"), "{lost:?}");
     assert_eq!(lost.last().unwrap(), "task `press` approaches its surface: 0.050 of 10 N");
-    assert_eq!(said(&address, &[[60.0, 0.0]], 34), "task `press` has given its contact up: 60 of 10 N");
+    assert_eq!(said(&address, &[[60.0, 0.0]], 36), "task `press` has given its contact up: 60 of 10 N");
     assert_eq!(said(&press("rz"), &[[0.0, 0.0]], 0), "task `press` approaches its surface: 0 of 10 N·m");
 }
 

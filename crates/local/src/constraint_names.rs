@@ -25,6 +25,11 @@ impl<'a> ConstraintNames<'a> {
         }
     }
 
+    /// Returns the names of the rows that watch distances.
+    pub fn of_distances(&self) -> impl Iterator<Item = &'a str> {
+        self.distances.into_iter().flat_map(|(_, rows)| rows).map(|name| &**name)
+    }
+
     /// Returns the name of a row of a constraint; `None`: the bound is none.
     pub fn get(&self, id: BoundId) -> Option<&'a str> {
         let BoundId::Constraint { index, row } = id else { return None };

@@ -12,14 +12,20 @@ use revprio_robot::RobotModel;
 
 use super::constraint_names::ConstraintNames;
 
-/// Distance from the end of its range at which a joint is there, rad or m.
+/// Distance from the end of its range at which a joint is there, rad or m, if it can move no faster than [`SLOW`] towards it.
 const RANGE_END: f64 = 0.02;
+
+/// Speed at which a joint has all but stopped, rad/s or m/s.
+const SLOW: f64 = 0.05;
 
 /// Smallest velocity that a task gives up, m/s or rad/s.
 const MIN_GIVEN_UP: f64 = 1e-4;
 
 /// Smallest part of its speed that a scaled task gives up.
 const MIN_SCALED: f64 = 1e-4;
+
+/// Smallest part of its target force that a contact misses.
+const MISSING_FORCE: f64 = 0.1;
 
 /// The unit of a row of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,9 +152,9 @@ impl Explained<'_> {
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
         let active = resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
-        sentences.extend(active.map(at_its_bound));
+        add_once(&mut sentences, active.map(at_its_bound));
         let violated = resolution.broken_constraints().filter_map(|(_, broken)| self.inequalities.get(broken.bound.id));
-        sentences.extend(violated.map(|name| format!("inequality `{name}` is not kept")));
+        add_once(&mut sentences, violated.map(|name| format!("inequality `{name}` is not kept")));
         sentences.extend(
             self.held_by.map(|[link, other]| format!("`{link}` would come too near to `{other}` before the arm stops")),
         );
@@ -157,7 +163,7 @@ impl Explained<'_> {
             format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))
         }));
         let missing = self.tasks.iter().flat_map(|task| {
-            task.contacts.iter().zip(&task.units).filter_map(|(axis, unit)| no_contact(task.name, axis, *unit))
+            task.contacts.iter().zip(&task.units).filter_map(|(axis, unit)| missing_force(task.name, axis, *unit))
         });
         let missing: Vec<String> = missing.collect();
         if losses.is_empty() && !missing.is_empty() {
@@ -178,12 +184,23 @@ impl Explained<'_> {
             sentences.extend(losses.iter().map(|loss| format!("{loss}, since it has the motion that is left")));
             return sentences;
         }
+        if !self.names_a_pair() {
+            // An answer that was made continuous may lie beside the bounds of the rows that hold it back.
+            add_once(&mut sentences, self.inequalities.of_distances().filter_map(near));
+        }
         sentences.extend(self.singularities());
         if sentences.is_empty() {
             sentences.push("the tasks are in conflict".to_owned());
         }
         sentences.extend(losses);
         sentences
+    }
+
+    /// Returns whether a sentence says which shapes keep clear of each other.
+    fn names_a_pair(&self) -> bool {
+        let mut active =
+            self.resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
+        self.held_by.is_some() || active.any(|name| pair(name).is_some())
     }
 
     /// Returns whether only the lowest task gives way, and that task is a posture: a redundant arm that moves does so all the time.
@@ -217,7 +234,9 @@ impl Explained<'_> {
             }
             BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
             _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
-            BoundCause::Position if left < RANGE_END => format!("joint `{joint}` is at its {side} limit"),
+            BoundCause::Position if left < RANGE_END && active.value.abs() < SLOW => {
+                format!("joint `{joint}` is at its {side} limit")
+            }
             BoundCause::Position => format!("joint `{joint}` brakes before its {side} limit, at {speed} {unit}"),
             BoundCause::Envelope if left < margin => {
                 format!(
@@ -310,19 +329,40 @@ impl Explained<'_> {
     }
 }
 
+/// Adds sentences that are not there yet: several rows may belong to one pair of shapes.
+fn add_once(sentences: &mut Vec<String>, more: impl Iterator<Item = String>) {
+    for sentence in more {
+        if !sentences.contains(&sentence) {
+            sentences.push(sentence);
+        }
+    }
+}
+
+/// Returns the link and the other shape of a row that watches a distance, by its name.
+fn pair(name: &str) -> Option<(&str, &str)> {
+    name.strip_prefix("collision:")?.split_once('/')
+}
+
 /// Returns the sentence about an active inequality, by its name.
 fn at_its_bound(name: &str) -> String {
-    match name.strip_prefix("collision:").and_then(|pair| pair.split_once('/')) {
+    match pair(name) {
         Some((link, other)) => format!("`{link}` keeps clear of `{other}`"),
         None => format!("inequality `{name}` is at its bound"),
     }
 }
 
-/// Returns that an axis does not press yet, or no more; a task achieves its velocity then all the same.
-fn no_contact(task: &str, axis: &ContactReport, unit: Unit) -> Option<String> {
+/// Returns the sentence about a row that watches a distance and that a command within the limits could break.
+fn near(name: &str) -> Option<String> {
+    pair(name).map(|(link, other)| format!("`{link}` is near `{other}` and may come nearer only slowly"))
+}
+
+/// Returns that an axis does not press yet, not as it should, or no more; a task achieves its velocity then all the same.
+fn missing_force(task: &str, axis: &ContactReport, unit: Unit) -> Option<String> {
     let [force, target] = [axis.force, axis.target].map(|force| significant(force, 2));
+    let is_near = (axis.force - axis.target).abs() <= MISSING_FORCE * axis.target.abs();
     let state = match axis.phase {
-        ContactPhase::Contact => return None,
+        ContactPhase::Contact if is_near => return None,
+        ContactPhase::Contact => "presses",
         ContactPhase::Approach => "approaches its surface",
         ContactPhase::Loss => "has lost its surface",
         ContactPhase::Fault(_) => "has given its contact up",
