@@ -207,3 +207,25 @@ fn a_memory_may_say_how_long_its_command_was_valid() {
     let body = json!({"controller": controller, "state": state(31, 5.0, &held), "memory": memory});
     service.post("/v1/step", &body.to_string()).assert_refused(422, Some("/memory/valid_for_ms"));
 }
+
+/// What a sensor reads that fails is accepted, so the memory of that answer is accepted too.
+#[test]
+fn a_memory_after_a_huge_force_is_accepted() {
+    let service = Service::start();
+    let law = json!({"kind": "contact", "target_force": {"kind": "constant", "value": -15}, "surface": {}});
+    let controller =
+        json!({"robot": "panda", "period_s": 0.004, "tasks": [{"name": "press", "axes": ["z"], "law": law}]});
+    let position = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    for huge in [5e4, 1e7, 9e8] {
+        let mut memory = Value::Null;
+        for sequence in 0..120 {
+            let force = [0.0, 0.0, if (40..60).contains(&sequence) { -huge } else { -12.0 }];
+            let state = json!({"sequence": sequence, "time_s": f64::from(sequence) * 0.004, "joint_position": position,
+                "wrench": {"force": force, "torque": [0, 0, 0]}});
+            let body = json!({"controller": controller, "state": state, "memory": memory});
+            let answer = service.post("/v1/step", &body.to_string()).accepted();
+            assert!(numbers(&answer["joint_velocity"]).iter().all(|velocity| velocity.abs() < 3.0), "{answer}");
+            memory = answer["memory"].clone();
+        }
+    }
+}

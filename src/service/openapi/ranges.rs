@@ -23,8 +23,9 @@ use serde_json::{Value, json};
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
     CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_FILTER_S, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S,
-    MAX_MAGNITUDE, MAX_PAYLOAD_KG, MAX_PERIOD_S, MAX_POINTS, MAX_READINGS, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED,
-    MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED, RATE_PER_S,
+    MAX_MAGNITUDE, MAX_PAYLOAD_KG, MAX_PERIOD_S, MAX_POINTS, MAX_READINGS, MAX_REMEMBERED, MAX_ROWS, MAX_SEQUENCE,
+    MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
+    RATE_PER_S,
 };
 use crate::service::robots::MAX_NAME;
 use crate::service::step::MAX_ITEMS;
@@ -408,7 +409,8 @@ pub fn complete(document: &mut Value) {
     for (name, schema) in schemas.iter_mut() {
         visit(schema, &mut bound_whole_numbers);
         if request_schemas.contains(name) {
-            visit(schema, &mut bound_numbers);
+            let most = if OF_CONTACTS.contains(&name.as_str()) { MAX_REMEMBERED } else { MAX_MAGNITUDE };
+            visit(schema, &mut |schema| bound_numbers(schema, most));
         }
         if name.starts_with(PER_AXIS) {
             variants(schema).for_each(|variant| bound_items(variant, 1, MAX_ROWS));
@@ -467,11 +469,14 @@ fn bound_whole_numbers(schema: &mut Value) {
     }
 }
 
+/// Schemas of what contact laws remember.
+const OF_CONTACTS: [&str; 3] = ["ContactMemory", "MeasuredContact", "NormalMemory"];
+
 /// Bounds the numbers of requests.
-fn bound_numbers(schema: &mut Value) {
+fn bound_numbers(schema: &mut Value, most: f64) {
     if has_type(schema, "number") {
-        schema["minimum"] = json!(-MAX_MAGNITUDE);
-        schema["maximum"] = json!(MAX_MAGNITUDE);
+        schema["minimum"] = json!(-most);
+        schema["maximum"] = json!(most);
     }
 }
 

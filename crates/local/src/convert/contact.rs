@@ -10,7 +10,7 @@ use revprio_core::surface::{NormalEstimate, NormalReport, SurfaceSettings};
 use revprio_robot::kinematics::{Axis, AxisSelection};
 
 use super::checks::{Inside, Result, check, each};
-use super::numbers::{check_numbers, number};
+use super::numbers::{check_remembered, number, remembered};
 use super::profile::{PerRow, at_row};
 use super::terms;
 use crate::error::ApiError;
@@ -149,22 +149,22 @@ pub fn contact_memory(contacts: &[wire::ContactMemory], config: &ControllerConfi
 fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
     let [factor, amplitude, before] = axis.swing;
     let [unchanged, since, time] = axis.unchanged;
-    check_numbers(&axis.swing, "/swing")?;
-    check_numbers(&axis.unchanged, "/unchanged")?;
+    check_remembered(&axis.swing, "/swing")?;
+    check_remembered(&axis.unchanged, "/unchanged")?;
     Ok(ContactAxis {
         phase: phase(axis.state, axis.fault)?,
-        position: number(axis.position, "/position")?,
-        sensed_position: number(axis.sensed_position, "/sensed_position")?,
-        force: number(axis.force, "/force")?,
-        surface: number(axis.surface, "/surface")?,
-        contact_time: number(axis.contact_time_s, "/contact_time_s")?,
-        lack: number(axis.lack, "/lack")?,
-        hold_time: number(axis.hold_time_s, "/hold_time_s")?,
-        return_speed: number(axis.return_speed, "/return_speed")?,
-        spent: number(axis.spent_j, "/spent_j")?,
-        before_retreat: number(axis.before_retreat, "/before_retreat")?,
-        fault_position: number(axis.fault_position, "/fault_position")?,
-        mean_target: number(axis.mean_target_force, "/mean_target_force")?,
+        position: remembered(axis.position, "/position")?,
+        sensed_position: remembered(axis.sensed_position, "/sensed_position")?,
+        force: remembered(axis.force, "/force")?,
+        surface: remembered(axis.surface, "/surface")?,
+        contact_time: remembered(axis.contact_time_s, "/contact_time_s")?,
+        lack: remembered(axis.lack, "/lack")?,
+        hold_time: remembered(axis.hold_time_s, "/hold_time_s")?,
+        return_speed: remembered(axis.return_speed, "/return_speed")?,
+        spent: remembered(axis.spent_j, "/spent_j")?,
+        before_retreat: remembered(axis.before_retreat, "/before_retreat")?,
+        fault_position: remembered(axis.fault_position, "/fault_position")?,
+        mean_target: remembered(axis.mean_target_force, "/mean_target_force")?,
         estimate: stiffness_memory((&axis.stiffness, &axis.means, &axis.sums), axis.followed.as_ref())?,
         motion: motion_memory(axis)?,
         swing: Swing { factor, amplitude, before, above: axis.is_above },
@@ -178,10 +178,10 @@ fn stiffness_memory(
     followed: Option<&[f64; 8]>,
 ) -> Result<StiffnessEstimate> {
     let [position, force, velocity, rate, x, f, position_scatter, force_scatter] = *followed.unwrap_or(&[0.0; 8]);
-    check_numbers(stiffness, "/stiffness")?;
-    check_numbers(means, "/means")?;
-    check_numbers(sums, "/sums")?;
-    followed.map_or(Ok(()), |followed| check_numbers(followed, "/followed"))?;
+    check_remembered(stiffness, "/stiffness")?;
+    check_remembered(means, "/means")?;
+    check_remembered(sums, "/sums")?;
+    followed.map_or(Ok(()), |followed| check_remembered(followed, "/followed"))?;
     let ([upper, slope, uncertainty], [mean_position, mean_force]) = (*stiffness, *means);
     let [squared_position, product, squared_force, samples] = *sums;
     Ok(StiffnessEstimate {
@@ -209,13 +209,13 @@ fn followed(estimate: &StiffnessEstimate) -> Option<[f64; 8]> {
 }
 
 fn motion_memory(axis: &wire::ContactMemory) -> Result<SurfaceMotion> {
-    check_numbers(&axis.surface_motion, "/surface_motion")?;
+    check_remembered(&axis.surface_motion, "/surface_motion")?;
     let [.., velocity] = axis.surface_motion;
     let Some(measured) = &axis.measured else { return Ok(SurfaceMotion::default()) };
     let wire::MeasuredContact { position, stiffness, means, sums, surface_motion, followed } = measured;
     let read = || {
-        check_numbers(position, "/position")?;
-        check_numbers(surface_motion, "/surface_motion")?;
+        check_remembered(position, "/position")?;
+        check_remembered(surface_motion, "/surface_motion")?;
         stiffness_memory((stiffness, means, sums), followed.as_ref())
     };
     let stiffness = read().map_err(|error| error.inside("/measured"))?;
@@ -263,14 +263,14 @@ fn normal_memory(memory: &wire::NormalMemory) -> Result<NormalEstimate> {
         (force, "/normal/force/0"),
         (from_force, "/normal/force/1"),
     ] {
-        check_numbers(&vector, pointer)?;
+        check_remembered(&vector, pointer)?;
     }
     let estimate = NormalEstimate {
         normal: memory.normal.into(),
         mean: memory.mean.into(),
-        friction: number(memory.friction, "/normal/friction")?,
-        variance: number(memory.variance, "/normal/variance")?,
-        chords: number(memory.chords, "/normal/chords")?,
+        friction: remembered(memory.friction, "/normal/friction")?,
+        variance: remembered(memory.variance, "/normal/variance")?,
+        chords: remembered(memory.chords, "/normal/chords")?,
         is_sliding: memory.is_sliding,
         position: position.into(),
         force: force.into(),

@@ -42,6 +42,22 @@ pub fn number(value: f64, pointer: &str) -> Result<f64> {
     between(value, -MAX_MAGNITUDE..=MAX_MAGNITUDE, pointer, detail)
 }
 
+/// Maximum magnitude of what a law remembers. Sums of squares of the largest forces that a state may have are smaller.
+pub const MAX_REMEMBERED: f64 = 1e24;
+
+/// Checks a number that a law remembers.
+pub fn remembered(value: f64, pointer: &str) -> Result<f64> {
+    let detail = format_args!("{value:e} is out of range; send the memory of the last answer back unchanged");
+    between(value, -MAX_REMEMBERED..=MAX_REMEMBERED, pointer, detail)
+}
+
+/// Checks numbers that a law remembers.
+pub fn check_remembered(values: &[f64], pointer: &str) -> Result<()> {
+    let is_wrong = |value: &f64| !(value.abs() <= MAX_REMEMBERED);
+    let Some(i) = values.iter().position(is_wrong) else { return Ok(()) };
+    remembered(values[i], "").map(drop).inside(&format!("{pointer}/{i}"))
+}
+
 /// Checks a time on the clock of a client, which may be that of Unix.
 pub fn time(value: f64, pointer: &str) -> Result<f64> {
     let detail = format_args!(
