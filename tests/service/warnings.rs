@@ -244,3 +244,41 @@ fn the_length_that_suits_a_small_arm_is_named_and_accepted() {
         service.post("/v1/controllers", &controller.to_string()).assert_refused(422, Some("/characteristic_length_m"));
     }
 }
+
+#[test]
+fn bounds_without_rest_and_answers_that_expire_too_early_are_told() {
+    let service = Service::start();
+    let with = |field: &str, value: Value| {
+        let mut controller = example("controller.json");
+        controller[field] = value;
+        warnings(&service, &controller).join("\n")
+    };
+    assert_eq!(with("valid_for_ms", json!(2)), "");
+    assert!(with("valid_for_ms", json!(1)).contains("set `valid_for_ms` to 2 or more"));
+    assert!(with("period_s", json!(0.2)).contains("set `valid_for_ms` to 400 or more"));
+    let bounds = |lower: f64| json!({"lower": vec![lower; 7], "upper": vec![0.5; 7]});
+    assert!(with("limits", bounds(0.1)).contains("never stands still"));
+    assert_eq!(with("limits", bounds(0.0)), "");
+}
+
+#[test]
+fn a_gantry_reaches_as_far_as_its_slides() {
+    let service = Service::start();
+    let slide = |name: &str, parent: &str, axis: &str, most: f64| {
+        format!(
+            r#"<joint name="{name}" type="prismatic"><parent link="{parent}"/><child link="{name}_link"/><axis xyz="{axis}"/>
+               <limit lower="0" upper="{most}" velocity="1" effort="1"/></joint><link name="{name}_link"/>"#
+        )
+    };
+    let joints = [slide("x", "base", "1 0 0", 10.0), slide("y", "x_link", "0 1 0", 4.0)].concat();
+    let urdf = format!(r#"<robot name="gantry"><link name="base"/>{joints}</robot>"#);
+    service.post("/v1/robots", &registration("gantry", &urdf).to_string()).accepted();
+    let controller = |x: f64| {
+        let pose = json!({"position": [x, 2.0, 0.0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}});
+        let law = json!({"kind": "pose", "gain": 1, "target_pose": pose});
+        json!({"robot": "gantry", "period_s": 0.01, "tasks": [{"name": "go", "axes": ["x", "y"], "law": law}]})
+    };
+    assert_eq!(warnings(&service, &controller(9.0)), [""; 0]);
+    let far = warnings(&service, &controller(9000.0)).join("\n");
+    assert!(far.contains("the arm reaches 14.00 m"), "{far}");
+}

@@ -151,14 +151,14 @@ impl About<'_> {
         axes.iter().enumerate().filter_map(of_row).map(name).collect()
     }
 
-    /// Returns the distance that no target of the arm has, m.
+    /// Returns the distance that no target of the arm has, m; infinite if a sliding joint has no limits.
     fn far(self) -> f64 {
-        FAR_REACHES * self.robot.reach().max(SMALLEST_REACH_M)
+        FAR_REACHES * self.robot.reach().max(SMALLEST_REACH_M) + self.robot.travel()
     }
 
     /// Returns the warning about the position of a target, base frame, m.
     fn position(self, position: Vector3<f64>) -> Option<String> {
-        let (distance, reach) = (position.norm(), self.robot.reach());
+        let (distance, reach) = (position.norm(), self.robot.reach() + self.robot.travel());
         (distance > self.far()).then(|| {
             format!(
                 "task `{}`: its target is {distance:.1} m from the base, and the arm reaches {reach:.2} m; positions are in \

@@ -156,6 +156,19 @@ impl RobotModel {
         links.map(|placement| placement.translation.vector.norm()).sum()
     }
 
+    /// Returns how far sliding joints can carry the tool from where it is with all of them at zero, m; infinite if one has no limits.
+    pub fn travel(&self) -> f64 {
+        let path = self.tree.path_up(Some(self.tree.tool_joint())).map(|joint| &self.moving_joints()[joint]);
+        let farthest = |joint: &MovingJoint| {
+            let limits = self.joints()[joint.coordinate].limits;
+            [limits.lower, limits.upper]
+                .map(|q| (q * joint.multiplier + joint.offset).abs())
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        path.filter(|joint| joint.kind.is_translation()).map(farthest).sum()
+    }
+
     /// Returns the pose of the tool frame in the frame that its joint moves, m. For a serial arm, this is the last joint.
     pub fn tool(&self) -> &IsometryMatrix3<f64> {
         self.tree.tool()

@@ -4,6 +4,7 @@ mod channels;
 mod contact;
 mod deadband;
 mod free_space;
+mod limits;
 mod state_bounds;
 mod surface;
 mod taken_rows;
@@ -12,10 +13,10 @@ mod targets;
 mod weights;
 
 use revprio_api::wire;
-use revprio_core::controller::{ControllerConfig, Limits, SteepGain};
-use revprio_core::limits::LimitKind;
-use revprio_robot::Joint;
+use revprio_core::controller::{ControllerConfig, SteepGain};
+use revprio_lab::number::significant;
 
+use super::convert::CHARACTERISTIC_LENGTH_M;
 use super::error::ApiError;
 use super::request_warnings;
 
@@ -45,11 +46,11 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
 }
 
 /// Returns the warnings about a checked controller that the first answer repeats, for loops without a session: a method that does
-/// not keep the order of the tasks, numbers in the wrong unit, and missing limits.
+/// not keep the order of the tasks, numbers in the wrong unit, missing limits, and answers that expire before the next one.
 pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> Vec<String> {
     let mut warnings = request_warnings::of_controller(request, &config.robot);
     warnings.extend(contradictory_contacts(request, config));
-    warnings.extend(missing_accelerations(config));
+    warnings.extend(limits::warnings(config));
     warnings
 }
 
@@ -62,21 +63,6 @@ fn contradictory_contacts(request: &wire::Controller, config: &ControllerConfig)
     })
 }
 
-/// A drive may trip when commands change faster than it can.
-fn missing_accelerations(config: &ControllerConfig) -> Option<String> {
-    let Limits::Robot(kind @ (LimitKind::PositionVelocity | LimitKind::Velocity)) = config.limits else { return None };
-    let is_known = |joint: &Joint| joint.limits.acceleration.is_finite();
-    let known = config.robot.joints().iter().any(is_known);
-    let name = if kind == LimitKind::Velocity { "velocity" } else { "position_velocity" };
-    known.then(|| {
-        format!(
-            "the limits `{name}` leave out the acceleration limits of `{}`: commands may jump from one speed to another, and a \
-             drive may trip; use `position_velocity_acceleration` on an arm",
-            config.robot.name()
-        )
-    })
-}
-
 /// Number of links that a warning names.
 const MOST_NAMED: usize = 10;
 
@@ -84,7 +70,8 @@ const MOST_NAMED: usize = 10;
 fn huge_shapes(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
     let robot = &config.robot;
     let model = robot.collision().filter(|_| request.collisions.is_some())?;
-    let huge = model.capsules().iter().find(|capsule| capsule.radius > robot.reach())?;
+    let reach = robot.reach() + robot.travel();
+    let huge = model.capsules().iter().find(|capsule| capsule.radius > reach)?;
     Some(format!(
         "a shape of link `{}` has a radius of {} m, more than the reach of the arm; are its lengths in m? Pairs that always touch are \
          not watched",
@@ -112,10 +99,13 @@ fn uncovered_links(request: &wire::Controller, config: &ControllerConfig) -> Opt
 #[expect(clippy::float_cmp, reason = "any other length is a choice of the user")]
 fn unusual_size(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
     let (reach, chosen) = (config.robot.reach(), request.characteristic_length_m != 1.0);
-    (config.damping.is_some() && !chosen && !ORDINARY_REACH_M.contains(&reach)).then(|| {
+    let turns = config.robot.joints().iter().any(|joint| !joint.kind.is_translation());
+    (turns && config.damping.is_some() && !chosen && !ORDINARY_REACH_M.contains(&reach)).then(|| {
+        let (least, most) = CHARACTERISTIC_LENGTH_M;
+        let [reach, suits] = [reach, reach.clamp(least, most)].map(|length| significant(length, 3));
         format!(
-            "the arm reaches {reach:.2} m, and a characteristic length of 1 m suits arms of about that reach; set \
-             `characteristic_length_m` to {reach:.2}, or damping begins at the wrong distance from singularities"
+            "the arm reaches {reach} m, and a characteristic length of 1 m suits arms of about that reach; set \
+             `characteristic_length_m` to {suits}, or damping begins at the wrong distance from singularities"
         )
     })
 }

@@ -1,0 +1,52 @@
+//! Warnings about limits that are left out or that do not let the arm rest, and about answers that expire before the next one.
+
+use revprio_core::controller::{ControllerConfig, Limits};
+use revprio_core::limits::LimitKind;
+use revprio_robot::Joint;
+
+/// Returns the warnings.
+pub fn warnings(config: &ControllerConfig) -> impl Iterator<Item = String> {
+    [missing_accelerations(config), bounds_without_rest(config), short_validity(config)].into_iter().flatten()
+}
+
+/// A drive may trip when commands change faster than it can.
+fn missing_accelerations(config: &ControllerConfig) -> Option<String> {
+    let Limits::Robot(kind @ (LimitKind::PositionVelocity | LimitKind::Velocity)) = config.limits else { return None };
+    let is_known = |joint: &Joint| joint.limits.acceleration.is_finite();
+    let known = config.robot.joints().iter().any(is_known);
+    let name = if kind == LimitKind::Velocity { "velocity" } else { "position_velocity" };
+    known.then(|| {
+        format!(
+            "the limits `{name}` leave out the acceleration limits of `{}`: commands may jump from one speed to another, and a \
+             drive may trip; use `position_velocity_acceleration` on an arm",
+            config.robot.name()
+        )
+    })
+}
+
+/// An arm must be able to stand still.
+fn bounds_without_rest(config: &ControllerConfig) -> Option<String> {
+    let Limits::Fixed(bounds) = &config.limits else { return None };
+    let sides = bounds.lower().iter().zip(bounds.upper().iter());
+    let mut found =
+        config.robot.joints().iter().zip(sides).filter(|(_, (lower, upper))| **lower > 0.0 || **upper < 0.0);
+    found.next().map(|(joint, (lower, upper))| {
+        format!(
+            "the bounds of joint `{}` are {lower} and {upper}, so that it never stands still and leaves its range; give bounds with 0 \
+             between them",
+            joint.name
+        )
+    })
+}
+
+/// A watchdog brakes before the next answer comes.
+fn short_validity(config: &ControllerConfig) -> Option<String> {
+    let (valid, period) = (config.valid_for_ms as f64, config.period_s * 1e3);
+    (valid <= period).then(|| {
+        format!(
+            "answers are valid for {valid} ms, no longer than the period of {period} ms: a watchdog brakes before the next one comes, and \
+             the arm hardly moves; set `valid_for_ms` to {} or more",
+            (2.0 * period).ceil()
+        )
+    })
+}
