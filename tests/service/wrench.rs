@@ -164,6 +164,11 @@ fn a_tare_that_contradicts_the_session_is_refused_or_warned_of() {
     wild[3]["wrench"]["force"][1] = json!(4000.0);
     let answer = service.post(&format!("{session}/tare"), &json!({"readings": wild}).to_string());
     answer.assert_refused(422, Some("/readings/3/wrench/force"));
+    let mut in_degrees = good.clone();
+    in_degrees[2]["joint_position"][1] = json!(-60.0);
+    let answer = service.post(&format!("{session}/tare"), &json!({"readings": in_degrees}).to_string());
+    answer.assert_refused(422, Some("/readings/2/joint_position"));
+    assert!(answer.text.contains("not in degrees"), "{}", answer.text);
     // Thirty copies of one reading, of a posture in which the arm was not.
     let wrench = json!({"force": [0.0, 0.0, 0.0], "torque": [0.0, 0.0, 0.0]});
     service.call(&format!("{session}/step"), &state(1, &START, &wrench));

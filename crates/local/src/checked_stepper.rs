@@ -159,7 +159,11 @@ impl ControlLoop {
             return Err(ApiError::invalid("/readings", TARE_IN_CONTACT));
         }
         for (number, reading) in request.readings.iter().enumerate() {
-            self.stepper.rules.check_wrench(&reading.wrench, &format!("/readings/{number}/wrench"))?;
+            let field = format!("/readings/{number}");
+            self.stepper.rules.check_wrench(&reading.wrench, &format!("{field}/wrench"))?;
+            if let Ok(position) = convert::joint_vector::<Vec<f64>>(&reading.joint_position, &config.robot, "") {
+                self.stepper.rules.check_position(&position, config, &format!("{field}/joint_position"))?;
+            }
         }
         let (mut answer, tared, sensors) = convert::tared(request, controller, config)?;
         let motion = self.memory.as_ref().map(|memory| memory.last_command.as_slice());

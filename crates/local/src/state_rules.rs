@@ -1,8 +1,8 @@
 //! The rules for the states of a controller: bounds beyond which a state is refused, and warnings about the others.
 
 use revprio_api::wire;
-use revprio_core::controller::{Command, Controller, Measurement, Stall, StalledJoint};
-use revprio_robot::Joint;
+use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Stall, StalledJoint};
+use revprio_robot::{Joint, RobotModel};
 
 use super::error::{ApiError, escape_pointer};
 
@@ -46,21 +46,7 @@ pub struct LastState {
 impl StateRules {
     /// Refuses a state beyond a bound.
     pub fn check(&self, state: &Measurement, controller: &Controller) -> Result<(), ApiError> {
-        if controller.config().keeps_positions() {
-            let tolerance = self.checks.position_tolerance;
-            let outside = outside(controller, &state.joint_position).find(|(_, _, distance)| *distance > tolerance);
-            if let Some((joint, q, _)) = outside {
-                let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
-                return Err(ApiError::implausible(
-                    "/joint_position",
-                    format!(
-                        "joint `{name}` at {q} is outside its range {lower} … {upper}; positions are in rad or m, not in \
-                         degrees or mm. If the arm is really there, move it back by hand or set \
-                         `state_checks.position_tolerance`, now {tolerance}"
-                    ),
-                ));
-            }
-        }
+        self.check_position(&state.joint_position, controller.config(), "/joint_position")?;
         for (tip, wrench) in measured_wrenches(state) {
             let field = tip.map_or("/wrench".to_owned(), |tip| {
                 format!("/wrenches/{}", escape_pointer(&controller.config().robot.tips()[tip].name))
@@ -70,6 +56,19 @@ impl StateRules {
             check_wrench(torque, self.checks.max_torque_nm, &format!("{field}/torque"), "N·m", "max_torque_nm")?;
         }
         Ok(())
+    }
+
+    /// Refuses a posture outside the ranges of the joints; `field`: its place in the body.
+    pub fn check_position(&self, position: &[f64], config: &ControllerConfig, field: &str) -> Result<(), ApiError> {
+        let tolerance = self.checks.position_tolerance;
+        if !config.keeps_positions() {
+            return Ok(());
+        }
+        check_positions(&config.robot, position, tolerance).map_err(|detail| {
+            let more = format!("set `state_checks.position_tolerance`, now {tolerance}");
+            let detail = format!("{detail} If the arm is really there, move it back by hand or {more}");
+            ApiError::implausible(field, detail)
+        })
     }
 
     /// Refuses a reading beyond the range of its sensor; `field`: its place in the body.
@@ -82,8 +81,8 @@ impl StateRules {
     pub fn warn(&self, warnings: &mut Vec<String>, state: &Measurement, controller: &Controller, command: &Command) {
         let reported =
             if controller.config().keeps_positions() { REPORTED_DISTANCE } else { self.checks.position_tolerance };
-        for (joint, q, _) in outside(controller, &state.joint_position).filter(|(_, _, distance)| *distance > reported)
-        {
+        let robot = &controller.config().robot;
+        for (joint, q, _) in outside(robot, &state.joint_position).filter(|(_, _, distance)| *distance > reported) {
             let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
             let effect = if controller.config().keeps_positions() {
                 "the service drives it back at up to its speed limit"
@@ -175,13 +174,24 @@ fn stall_warning(stalled: &[StalledJoint], controller: &Controller) -> Option<St
     ))
 }
 
+/// Refuses positions that are farther outside the ranges of the joints than a tolerance, rad or m.
+pub fn check_positions(robot: &RobotModel, position: &[f64], tolerance: f64) -> Result<(), String> {
+    let Some((joint, q, _)) = outside(robot, position).find(|(_, _, distance)| *distance > tolerance) else {
+        return Ok(());
+    };
+    let (name, lower, upper) = (&joint.name, joint.limits.lower, joint.limits.upper);
+    Err(format!(
+        "joint `{name}` at {q} is outside its range {lower} … {upper}; positions are in rad or m, not in degrees or mm."
+    ))
+}
+
 /// Returns the joints outside their ranges, with their positions and distances.
-fn outside<'a>(controller: &'a Controller, position: &'a [f64]) -> impl Iterator<Item = (&'a Joint, f64, f64)> {
+fn outside<'a>(robot: &'a RobotModel, position: &'a [f64]) -> impl Iterator<Item = (&'a Joint, f64, f64)> {
     let distance = |(joint, &q): (&'a Joint, &'a f64)| {
         let distance = (q - joint.limits.upper).max(joint.limits.lower - q);
         (distance > 0.0).then_some((joint, q, distance))
     };
-    controller.config().robot.joints().iter().zip(position).filter_map(distance)
+    robot.joints().iter().zip(position).filter_map(distance)
 }
 
 /// Returns a warning for each joint inside its range that is nearer to an end than its velocity envelope lets it rest.

@@ -16,6 +16,7 @@ use super::wrench_sensor::{check_count, tip_index, wrench_answer};
 use super::wrenches::six;
 use crate::error::ApiError;
 use crate::robots::Robots;
+use crate::state_rules::check_positions;
 
 /// Identifies bias and payload.
 pub fn identify(request: &wire::PayloadRequest, robots: &Robots) -> Result<wire::PayloadAnswer> {
@@ -65,6 +66,9 @@ impl<'a> Sensor<'a> {
                 let robot =
                     robot.ok_or_else(|| ApiError::invalid("", "`joint_position` needs the name of a `robot`"))?;
                 let position: Vec<f64> = joint_vector(position, robot, "/joint_position")?;
+                // A posture is that of an arm somewhere, perhaps with other ranges. Degrees are far outside.
+                check_positions(robot, &position, std::f64::consts::TAU)
+                    .map_err(|detail| ApiError::invalid("/joint_position", detail.trim_end_matches('.')))?;
                 let configuration = Configuration::new(robot, &position).at("/joint_position")?;
                 let rotation = (configuration.tip_pose(&robot.tips()[self.tip]) * self.pose).rotation;
                 let terms = WrenchTerms { convention, frame };
