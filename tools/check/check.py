@@ -13,6 +13,7 @@ TOLERANCE = 1e-9  # of a relative error, as the status `optimal` claims
 FINE = 1e-4  # Rounding: errors below TOLERANCE * FINE, or below `kkt_residual`, of the size of all that was added up.
 NOT_ZERO = 1e-14  # A multiplier above this part of its terms is not zero.
 CHECKS = {  # name: (what is compared, tolerance)
+    "certificate": ("the answer has a certificate, for which the request needs `\"certificate\": true`", 0.0),
     "status": ("`kkt_residual` is small enough for the status", 0.0),
     "plan": ("problems and levels are those of the method, in its order", 0.0),
     "rows": ("rows, bounds and references are those of the request, or what the stage before achieved", 1e-12),
@@ -182,7 +183,7 @@ class Problem:
 class Check:
     """The checks of one answer. `largest`: the relative error of each check that the status claims."""
     def __init__(self, request, answer):
-        claimed = {"optimal": CHECKS, "not_certified": ["velocity"], "failed": []}[answer["solver"]["status"]]
+        claimed = {"optimal": CHECKS, "not_certified": ["certificate", "velocity"], "failed": []}[answer["solver"]["status"]]
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(claimed, 0.0)
         self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
         self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
@@ -194,8 +195,11 @@ class Check:
         given = claimed and answer.get("certificate") or {"problems": [], "answer": []}
         problems = dict(enumerate(Problem(raw, self.note, self.fine) for raw in given["problems"]))
         self.parts = [(problems[part["problem"]], *numbers([part["weight"]])) for part in given["answer"]]
-        self.note("status", not self.parts or residual is None or not 0 <= residual <= TOLERANCE)
-        if self.parts:
+        self.note("certificate", 0.0 if self.parts else inf)
+        self.note("status", residual is None or not 0 <= residual <= TOLERANCE)
+        if not self.parts:
+            self.largest = {check: error for check, error in self.largest.items() if check == "certificate"}
+        else:
             self.check_plan(list(problems.values()))
             self.check_velocity()
             self.check_active()

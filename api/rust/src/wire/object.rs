@@ -49,6 +49,14 @@ pub fn map<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> R
     deserializer.deserialize_map(MapVisitor(PhantomData))
 }
 
+/// Reads objects by name, or `None` from `null`.
+pub fn optional_map<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<BTreeMap<String, T>>, D::Error> {
+    let map: Option<BTreeMap<String, Object<T>>> = Option::deserialize(deserializer)?;
+    Ok(map.map(|map| map.into_iter().map(|(name, Object(value))| (name, value)).collect()))
+}
+
 struct MapVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for MapVisitor<T> {

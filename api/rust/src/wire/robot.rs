@@ -33,7 +33,7 @@ pub struct RobotRegistration {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tips: Option<Vec<RegisteredTip>>,
     /// Limits that replace or complete those of the text, by the name of the joint in the text.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional_map", skip_serializing_if = "Option::is_none")]
     pub limits: Option<BTreeMap<String, StatedLimits>>,
     /// New names, by the name of the joint in the text.
     #[serde(skip_serializing_if = "Option::is_none")]

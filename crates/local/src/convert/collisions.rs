@@ -105,12 +105,14 @@ pub fn with_shapes(
     let stated = stated_pairs(&robot, request)?;
     let fitted = match request.shapes {
         Some(wire::ShapeSource::Fit) => {
-            robot.fitted_shapes(&request.urdf, meshes).map_err(|error| fit_error(&error))?
+            robot.fitted_shapes(&request.urdf, meshes, &listed.names).map_err(|error| fit_error(&error))?
         }
         None => FittedShapes::default(),
     };
     let listed_count = listed.capsules.len();
-    let mut shapes = merged(listed, fitted);
+    let mut shapes = listed;
+    shapes.capsules.extend(fitted.capsules);
+    shapes.names.extend(fitted.names);
     shapes.uncovered = uncovered(&robot, request, &shapes.capsules);
     let names = shapes.names.clone();
     robot.with_fitted(shapes, &stated, &disabled).map_err(|error| shape_error(&error, &names, listed_count))
@@ -123,19 +125,6 @@ fn listed_shapes(robot: &RobotModel, request: &wire::RobotRegistration) -> Resul
     let capsules: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(robot, shape))?;
     let names = capsules.iter().map(|shape| robot.links()[shape.link.index()].name.clone()).collect();
     Ok(FittedShapes { capsules, names, uncovered: Vec::new() })
-}
-
-/// Returns the listed shapes, and the fitted ones of links that the list does not name.
-fn merged(listed: FittedShapes, fitted: FittedShapes) -> FittedShapes {
-    let FittedShapes { mut capsules, mut names, uncovered } = listed;
-    let count = names.len();
-    for (capsule, name) in fitted.capsules.into_iter().zip(fitted.names) {
-        if !names[..count].contains(&name) {
-            capsules.push(capsule);
-            names.push(name);
-        }
-    }
-    FittedShapes { capsules, names, uncovered }
 }
 
 /// Names the shape that is refused; `names`: the links of all shapes, the listed ones first.

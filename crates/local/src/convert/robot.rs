@@ -35,7 +35,14 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     };
     let robot = robot.map_err(|error| urdf_error(request, &error))?;
     if request.tips.is_some() {
-        check_tip_names(&robot)?;
+        let of_srdf = |error: ApiError| {
+            let detail = "the tips are the links of its end effectors; state `tips` to name them otherwise";
+            if with_frames.is_none() {
+                return error;
+            }
+            ApiError::invalid("/srdf", format!("{}; {detail}", error.into_wire().detail))
+        };
+        check_tip_names(&robot).map_err(of_srdf)?;
     }
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");

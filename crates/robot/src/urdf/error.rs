@@ -110,8 +110,8 @@ pub enum UrdfError {
     },
     /// A joint of the chain has a type that a serial arm cannot have.
     #[error(
-        "joint `{joint}` of the chain is {kind}; only fixed, revolute, continuous and prismatic joints without `mimic` \
-         are supported"
+        "joint `{joint}` of the chain is {kind}; a chain has fixed, revolute, continuous and prismatic joints without `mimic`. \
+         `tips` instead of `tip` reads the tree, with `mimic`"
     )]
     Kind {
         /// The joint.

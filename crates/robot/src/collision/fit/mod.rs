@@ -63,14 +63,19 @@ pub enum FitError {
 
 impl RobotModel {
     /// Returns capsules that contain the `<collision>` elements of the text that this robot was read from. `meshes`: where the files are
-    /// that the text names; `None`: they are refused.
-    pub fn fitted_shapes(&self, text: &str, meshes: Option<&MeshDirectory>) -> Result<FittedShapes, FitError> {
+    /// that the text names; `None`: they are refused. `stated`: links with other shapes, which are left out.
+    pub fn fitted_shapes(
+        &self,
+        text: &str,
+        meshes: Option<&MeshDirectory>,
+        stated: &[String],
+    ) -> Result<FittedShapes, FitError> {
         let found = self.link_bodies(text)?;
         if found.bodies.is_empty() {
             return Err(FitError::NoBodies);
         }
         let (mut capsules, mut names) = (Vec::new(), Vec::new());
-        for body in &found.bodies {
+        for body in found.bodies.iter().filter(|body| !stated.contains(&body.name)) {
             for FittedCapsule { core, radius } in self.fitted(body, meshes)? {
                 capsules.push(LinkCapsule { link: body.link, core: core.moved(&body.pose), radius });
                 names.push(body.name.clone());

@@ -133,7 +133,7 @@ const TEXT: &str = r#"
 fn bodies_of_links_beside_the_chain_move_with_it_if_they_are_fixed() {
     let options = UrdfOptions { base: Some("base"), tip: Some("upper"), ..UrdfOptions::default() };
     let robot = RobotModel::from_urdf(TEXT, &options).unwrap();
-    let fitted = robot.fitted_shapes(TEXT, None).unwrap();
+    let fitted = robot.fitted_shapes(TEXT, None, &[]).unwrap();
     assert_eq!(fitted.uncovered, ["finger", "camera"]);
     let links: Vec<_> =
         fitted.capsules.iter().map(|capsule| robot.links()[capsule.link.index()].name.as_str()).collect();
@@ -150,7 +150,7 @@ fn bodies_of_links_beside_the_chain_move_with_it_if_they_are_fixed() {
 fn a_capsule_of_the_text_stays_as_it_is() {
     let text = TEXT.replace(r#"<sphere radius="0.04"/>"#, r#"<capsule radius="0.04" length="0.3"/>"#);
     let robot = RobotModel::from_urdf(&text, &UrdfOptions { tip: Some("hand"), ..UrdfOptions::default() }).unwrap();
-    let hand = *robot.fitted_shapes(&text, None).unwrap().capsules.last().unwrap();
+    let hand = *robot.fitted_shapes(&text, None, &[]).unwrap().capsules.last().unwrap();
     assert_eq!((hand.core.from.z, hand.core.to.z, hand.radius), (-0.15, 0.15, 0.04));
 }
 
@@ -160,16 +160,21 @@ fn what_cannot_be_fitted_is_refused_with_its_link() {
         let text = TEXT.replace(r#"<sphere radius="0.04"/>"#, form);
         let robot =
             RobotModel::from_urdf(&text, &UrdfOptions { tip: Some("upper"), ..UrdfOptions::default() }).unwrap();
-        robot.fitted_shapes(&text, None).unwrap_err().to_string()
+        robot.fitted_shapes(&text, None, &[]).unwrap_err().to_string()
     };
     assert!(refused(r#"<sphere radius="0"/>"#).contains("link `hand`: `radius` must be a positive number"));
     assert!(refused(r#"<box size="1 2"/>"#).contains("not three numbers"));
     assert!(refused(r#"<capsule radius="0.1" length="-1"/>"#).contains("`length` must be a positive number"));
     assert!(refused("<torus/>").contains("<torus> is none of"));
-    assert!(refused(r#"<mesh filename="package://x/a.stl"/>"#).contains("revprio robots fit"));
+    let mesh = r#"<mesh filename="package://x/a.stl"/>"#;
+    assert!(refused(mesh).contains("revprio robots fit"));
+    // A link whose shapes are stated needs no mesh.
+    let text = TEXT.replace(r#"<sphere radius="0.04"/>"#, mesh);
+    let robot = RobotModel::from_urdf(&text, &UrdfOptions { tip: Some("upper"), ..UrdfOptions::default() }).unwrap();
+    assert_eq!(robot.fitted_shapes(&text, None, &["hand".to_owned()]).unwrap().capsules.len(), 5);
     let bare = "<robot name='bare'><link name='a'/><link name='b'/><joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
     let robot = RobotModel::from_urdf(bare, &UrdfOptions::default()).unwrap();
-    assert!(matches!(robot.fitted_shapes(bare, None), Err(FitError::NoBodies)));
+    assert!(matches!(robot.fitted_shapes(bare, None, &[]), Err(FitError::NoBodies)));
 }
 
 #[test]
