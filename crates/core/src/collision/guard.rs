@@ -283,20 +283,23 @@ impl CollisionGuard {
         self.path.follow(start(moment, self.drive, self.period), braking);
     }
 
-    /// Updates for how long a command can be held, at most `longest` (s), before a watchdog brakes.
-    pub fn update_hold(&mut self, moment: Moment, command: &[f64], longest: f64) {
-        self.report.clear_for_s = self.hold_time(moment, command, longest);
+    /// Updates for how long a command can be held, at most `longest` (s), before a watchdog brakes; returns whether its stop is free
+    /// then. A command lasts its own period in any case.
+    pub fn update_hold(&mut self, moment: Moment, command: &[f64], longest: f64) -> bool {
+        let time = self.hold_time(moment, command, longest);
+        self.report.clear_for_s = time.unwrap_or(self.period);
+        time.is_some()
     }
 
     /// Returns a time, at most `longest` (s), after which a watchdog can brake so that the stop is free: `longest`, or else S, 2 S, 4 S …
-    /// as long as that holds. Without such a time, the command lasts its own period.
-    fn hold_time(&mut self, moment: Moment, command: &[f64], longest: f64) -> f64 {
+    /// as long as that holds, or else T.
+    fn hold_time(&mut self, moment: Moment, command: &[f64], longest: f64) -> Option<f64> {
         if self.report.stop_s == 0.0 {
-            return longest;
+            return Some(longest);
         }
         let shortest = spare_time(self.period);
         let longest = longest.min(shortest.max(LONGEST_HOLD));
-        let Some(refused) = self.refused_after(moment, command, longest) else { return longest };
+        let Some(refused) = self.refused_after(moment, command, longest) else { return Some(longest) };
         // A hold that lasts until then has the same way until then.
         let longest = longest.min(refused - self.drive.delay_periods as f64 * self.period);
         let (mut held, mut time) = (None, shortest);
@@ -304,7 +307,13 @@ impl CollisionGuard {
             held = Some(time);
             time *= 2.0;
         }
-        held.unwrap_or(self.period)
+        held.or_else(|| self.may_act_for_a_period(moment, command).then_some(self.period))
+    }
+
+    /// Returns whether a watchdog may brake after one period.
+    fn may_act_for_a_period(&mut self, moment: Moment, command: &[f64]) -> bool {
+        // The command was allowed for one period, and a watchdog brakes as its stop does if that keeps no jerk limits.
+        self.report.is_violated || !self.keeps_jerk || self.refused_after(moment, command, self.period).is_none()
     }
 
     /// Returns when the arm comes too near if a command is held for a time and a watchdog then brakes, all in s; `None`: never.

@@ -75,14 +75,13 @@ pub(super) fn resolve<'a>(
     };
     let Some(guard) = guard else { return Ok(Answer { problem, command, limits, requested }) };
     let moment = Moment { arm, drive_state: &previous.drive };
+    let longest = config.valid_for_ms as f64 * 1e-3;
     let is_clear = keep_clear(
         (&mut *guard, moment),
         (&allowed.limits, &mut *clear),
         (&mut *problem, &mut **solver, &mut command.resolution),
-        &previous.active_set,
+        (&previous.active_set, longest),
     )?;
-    let longest = config.valid_for_ms as f64 * 1e-3;
-    guard.update_hold(moment, command.resolution.joint_velocity.as_slice(), longest);
     command.collisions.get_or_insert_default().copy_from(guard.report());
     Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
 }
