@@ -24,8 +24,10 @@ const MIN_GIVEN_UP: f64 = 1e-4;
 /// Smallest part of its speed that a scaled task gives up.
 const MIN_SCALED: f64 = 1e-4;
 
-/// Smallest part of its target force that a contact misses.
-const MISSING_FORCE: f64 = 0.1;
+/// Smallest part of its target force that a contact misses, and the smallest force, N and N·m: less is the noise of the sensor.
+const MISSING_PART: f64 = 0.1;
+const MISSING_FORCE: f64 = 1.0;
+const MISSING_TORQUE: f64 = 0.1;
 
 /// The unit of a row of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -358,8 +360,9 @@ fn near(name: &str) -> Option<String> {
 
 /// Returns that an axis does not press yet, not as it should, or no more; a task achieves its velocity then all the same.
 fn missing_force(task: &str, axis: &ContactReport, unit: Unit) -> Option<String> {
+    let least = if matches!(unit, Unit::Radians) { MISSING_TORQUE } else { MISSING_FORCE };
+    let is_near = (axis.force - axis.target).abs() <= least.max(MISSING_PART * axis.target.abs());
     let [force, target] = [axis.force, axis.target].map(|force| significant(force, 2));
-    let is_near = (axis.force - axis.target).abs() <= MISSING_FORCE * axis.target.abs();
     let state = match axis.phase {
         ContactPhase::Contact if is_near => return None,
         ContactPhase::Contact => "presses",
