@@ -218,6 +218,9 @@ def test_a_wrench_is_six_numbers_or_a_wrench_object(client: Client, config: Cont
     with Session(client, config) as session:
         with pytest.raises(ValueError, match="six numbers"):
             session.step(Q, wrench=[1, 2, 3])
+        with pytest.raises(InvalidError) as refusal:
+            session.step(Q, wrench=[0, 0, 0, np.nan, 0, 0])
+        assert refusal.value.pointer == "/wrench/torque"
         assert session.step(Q, wrench=Wrench(force=[0, 0, 0], torque=[0, 0, 0])).sequence == 0
 
 

@@ -68,4 +68,7 @@ def as_wrench(wrench: Wrench | ArrayLike, pointer: str = "/wrench") -> Wrench:
         detail = "give six numbers: force x, y, z in N, then torque x, y, z in N·m"
         problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=detail)
         raise InvalidError(problem.model_copy(update={"pointer": pointer}))
-    return Wrench(force=six[:3], torque=six[3:])
+    try:
+        return Wrench(force=six[:3], torque=six[3:])
+    except InvalidError as error:
+        raise InvalidError(error.problem.model_copy(update={"pointer": f"{pointer}{error.pointer}"})) from None
