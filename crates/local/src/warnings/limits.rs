@@ -45,7 +45,7 @@ fn short_validity(config: &ControllerConfig) -> Option<String> {
     (valid <= period).then(|| {
         format!(
             "answers are valid for {valid} ms, no longer than the period of {period} ms: a watchdog brakes before the next one comes, and \
-             the arm hardly moves; set `valid_for_ms` to {} or more",
+             the arm moves slowly or not at all; set `valid_for_ms` to {} or more",
             (2.0 * period).ceil()
         )
     })
