@@ -103,7 +103,19 @@ fn texts_that_cannot_be_fitted_or_read_are_refused_with_the_place() {
     refused(json!({"shapes": "fit", "urdf": wrong}), "/urdf", "positive number");
     refused(json!({"srdf": "<sdf/>"}), "/srdf", "<sdf>");
     refused(json!({"shapes": "guess"}), "/shapes", "fit");
+    refused(json!({"limits": {"left_shoulder": [[-1, 1], 2, 5, 7, null]}}), "/limits/left_shoulder", "give an object");
     refused(json!({"collision_pairs": {"leave_out": []}}), "/collision_pairs", "shape_list");
+}
+
+/// A link named like a frame cannot be a tip with its own name, and the request has no `tips` to point to.
+#[test]
+fn end_effectors_whose_links_cannot_name_tips_are_refused_at_their_text() {
+    let service = Service::start();
+    let robot =
+        json!({"name": "duo", "urdf": urdf().replace("left_hand", "tool"), "srdf": SRDF.replace("left_hand", "tool")});
+    let answer = service.post("/v1/robots", &robot.to_string());
+    answer.assert_refused(422, Some("/srdf"));
+    assert!(answer.text.contains("state `tips` to name them otherwise"), "{}", answer.text);
 }
 
 /// A hand that is fixed to the tip: pairs of its own name are left out, those of the link that carries it are not those of the hand.

@@ -210,6 +210,14 @@ fn the_payload_of_six_postures_makes_the_wrench_right_in_every_posture() {
         let q = random.posture();
         assert!(left(&service, &found_controller, &q, &mut random) < 0.3 + 0.6);
     }
+    let mut in_degrees = request.clone();
+    for reading in in_degrees["readings"].as_array_mut().unwrap() {
+        let position: Vec<f64> = numbers(&reading["joint_position"]).into_iter().map(f64::to_degrees).collect();
+        reading["joint_position"] = json!(position);
+    }
+    let answer = service.post("/v1/payload", &in_degrees.to_string());
+    answer.assert_refused(422, Some("/readings/0/joint_position"));
+    assert!(answer.text.contains("not in degrees"), "{}", answer.text);
     // The other sign, and two exchanged axes.
     request["wrench_convention"] = json!("on_environment");
     let answer = service.post("/v1/payload", &request.to_string());

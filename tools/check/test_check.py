@@ -179,6 +179,15 @@ class Attacks(unittest.TestCase):
         line = '{"request": %s, "answer": %s, "request": %s}' % tuple(map(json.dumps, (other, answer, request)))
         self.assertEqual(printed(line)[0], 2)
 
+    def test_a_missing_certificate_is_told_and_nothing_else_holds(self):
+        request, answer = solved()
+        for status in ("optimal", "not_certified"):
+            bare = answer | {"certificate": None, "solver": answer["solver"] | {"status": status}}
+            exit_status, words = printed(json.dumps(request), json.dumps(bare))
+            self.assertEqual(exit_status, 1)
+            self.assertIn("does not hold: certificate", words)
+            self.assertNotIn("holds", words.replace("does not hold", ""))
+
     def test_what_is_no_finite_number_is_refused(self):
         request, answer = solved()
         for value in ("NaN", "-Infinity", '"1"', "[1]"):
