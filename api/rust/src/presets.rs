@@ -55,7 +55,7 @@ pub struct WipeOptions {
     pub stroke_m: f64,
     /// Largest speed, m/s.
     pub speed: f64,
-    /// Time of the states at which the motion begins, s; 0: that of the first one. On the clock of Unix it counts from the first state.
+    /// Time of the states at which the motion begins, s. On the clock of Unix it counts from the first state.
     pub start_time_s: f64,
     /// Axes of pressing, motion and hold; a pose for a tilted surface.
     pub frame: Frame,

@@ -9,8 +9,8 @@ use serde_json::{Map, Value};
 
 use crate::error::escape_pointer;
 
-/// Maximum size of a body that is searched, bytes, and how often it is read again.
-const MAX_BYTES: usize = 16 << 10;
+/// Maximum size of a body that is searched, bytes, and how often it is read again. The thread of the requests does that, so both are small.
+const MAX_BYTES: usize = 4 << 10;
 const MAX_READS: usize = 24;
 
 /// The field that decides the other fields. Without it there is always another mistake.
