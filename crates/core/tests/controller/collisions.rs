@@ -10,7 +10,7 @@ use revprio_core::constraint::{APPROACH_RATE, Constraint, PlanePoint, VirtualPla
 use revprio_core::controller::{
     ConfigError, Controller, ControllerConfig, Limits, Measurement, StepError, Stepper, TaskConfig,
 };
-use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
+use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::resolution::BoundId;
 use revprio_core::rows::TaskRows;
 use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming};

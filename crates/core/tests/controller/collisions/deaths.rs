@@ -1,6 +1,12 @@
 //! Services that fall silent while the arm is near obstacles.
 
-use super::*;
+use revprio_core::controller::{Controller, Stepper};
+use revprio_core::limits::braking_deceleration;
+use revprio_robot::Joint;
+
+use super::super::arms::Random;
+use super::super::drives::LaggingArm;
+use super::{HOME, NEAREST, Setup, config, nearest, obstacles, targets};
 
 /// What the deaths of a service in one motion show.
 #[derive(Debug)]
