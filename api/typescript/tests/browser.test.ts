@@ -24,7 +24,7 @@ async function site(t: TestContext): Promise<string> {
 test("a page of another origin can resolve, step and stream with the fetch and WebSocket of the browser", async (t) => {
   const origin = await site(t);
   const { url } = await serve(t, "--allow-origin", origin);
-  const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
+  const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
   const browser = await chromium.launch({ ...(executablePath && { executablePath }), args: ["--no-sandbox", "--disable-gpu"] });
   t.after(() => browser.close());
   const page = await browser.newPage();
