@@ -210,9 +210,12 @@ impl Interval {
         let at_once = bounds(motion.stopping_at_once().distances(joint, limits));
         let forgiving = (-stop(to_lower + NOISE_TOLERANCE, -last), stop(to_upper + NOISE_TOLERANCE, last));
         let (mut lower, mut upper) = bounds((to_lower, to_upper));
-        // A drive that is faster than stated can ask for more than full braking, and then needs less. So can noise.
-        lower = lower.min(if fastest >= forgiving.0 { fastest } else { fastest.max(at_once.0) });
-        upper = upper.max(if slowest <= forgiving.1 { slowest } else { slowest.min(at_once.1) });
+        // After lost states, with noise, or with a drive that is faster than stated, the box can ask for more than full braking.
+        // It need not if full braking from now on stops the joint in time.
+        let stops = |forgiving: f64, distance: f64| forgiving.max(max_braking_speed(limits, distance, period));
+        let stopping = (-stops(-forgiving.0, to_lower), stops(forgiving.1, to_upper));
+        lower = lower.min(if fastest >= stopping.0 { fastest } else { fastest.max(at_once.0) });
+        upper = upper.max(if slowest <= stopping.1 { slowest } else { slowest.min(at_once.1) });
         let cause = |bound: f64| match bound {
             _ if is_same(bound, slowest) || is_same(bound, fastest) => BoundCause::Acceleration,
             _ if is_same(bound.abs(), limits.velocity) => BoundCause::Velocity,
@@ -272,7 +275,19 @@ fn ordered(lower: f64, upper: f64, to_upper: f64) -> (f64, f64) {
 /// Returns the maximum speed from which a joint can stop within `distance` ≥ 0: the braking term of the module `limits`, at
 /// most V.
 fn max_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
-    let (reaction, deceleration) = (stopping_reaction_time(limits, period), stopping_deceleration(limits));
+    max_speed_after(limits, distance, stopping_reaction_time(limits, period))
+}
+
+/// Returns the maximum speed of a command from which full braking, a T less in each period, stops a joint within `distance`
+/// and δ more; zero beyond that.
+fn max_braking_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
+    // The commands v, v − a T, … move it by v²/2a + v T/2.
+    max_speed_after(limits, (distance + NOISE_TOLERANCE).max(0.0), 0.5 * period + limits.envelope.reaction_time())
+}
+
+/// Returns the maximum speed, at most V, from which a joint can stop within `distance` ≥ 0 if it begins after the time `reaction`.
+fn max_speed_after(limits: &JointLimits, distance: f64, reaction: f64) -> f64 {
+    let deceleration = stopping_deceleration(limits);
     // b(−τ + √(τ² + 2d/b)), rewritten: no cancellation for small d. For infinite d and b it is NaN, which `min` ignores.
     let speed = 2.0 * distance / (reaction + (reaction * reaction + 2.0 * distance / deceleration).sqrt());
     speed.min(limits.velocity)

@@ -32,8 +32,8 @@
 //! p less regularly. If the braking term then demands more than full braking, full braking is allowed as long as the joint
 //! could still stop if it had no drive.
 //!
-//! Noise of the measured position can demand more than full braking as well. If δ = 0.5 mrad (0.5 mm) more distance would
-//! allow it, full braking is allowed. Let the error be at most ε ≤ δ/2. Then v τ + v²/2A ≤ max(0, d + ε) after every command,
+//! Noise of the measured position and lost states can demand more than full braking as well. If full braking from then on ends
+//! within δ = 0.5 mrad (0.5 mm) more distance, it is allowed. Let the error be at most ε ≤ δ/2. Then v τ + v²/2A ≤ max(0, d + ε) after every command,
 //! for the true d: the box of the measured distance ensures it, and full braking keeps it, as above. As d + ε is at most
 //! the measured distance + 2 ε, full braking is always allowed, and no limits contradict each other.
 //!
