@@ -71,7 +71,7 @@ impl<'a> Posed<'a> {
                 if let Some(scaled) = scaled {
                     speeds[k] = Some(hierarchy.lower.len());
                     hierarchy.lower.push(0.0);
-                    hierarchy.upper.push(scaled.speed);
+                    hierarchy.upper.push(scaled.speed / scaled.unit);
                     hierarchy.reference = hierarchy.reference.push(0.0);
                 }
             }
@@ -155,7 +155,7 @@ impl<'a> Posed<'a> {
         level.push(&task.jacobian, &lower, &upper, |row| Some(BoundId::Task { index: k, row }));
     }
 
-    /// Adds the two levels of a scaled task: its direction, with the rows of `level`, then its speed r → ‖ẋ‖.
+    /// Adds the two levels of a scaled task: its direction, with the rows of `level`, then its speed r ν → ‖ẋ‖.
     fn push_scaled(&mut self, k: usize, mut level: Level) {
         let (Some(unknown), Some(scaled)) = (self.speeds[k], &self.aim.scaled[k]) else { return };
         let (n, total) = (self.problem.tasks.joint_count(), self.hierarchy.unknowns());
@@ -166,7 +166,7 @@ impl<'a> Posed<'a> {
         level.push(&direction, &vec![0.0; count], &vec![0.0; count], |_| None);
         self.hierarchy.push(level);
         let mut speed = Matrix::zeros(1, total);
-        speed[(0, unknown)] = 1.0;
+        speed[(0, unknown)] = scaled.unit;
         let mut level = self.level();
         level.push(&speed, &[scaled.speed], &[scaled.speed], |_| None);
         self.hierarchy.push(level);

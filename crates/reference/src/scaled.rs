@@ -1,7 +1,8 @@
 //! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
 //!
 //! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits and
-//! d = ẋ_k/‖ẋ_k‖, the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible.
+//! d = ẋ_k/‖ẋ_k‖, the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r ν d) = 0 with ν = ‖UᵀJ_k‖, and then r ν = s ‖ẋ_k‖ is as large as
+//! possible.
 
 use revprio_problem::{Matrix, Problem, Task, Vector};
 
@@ -17,15 +18,17 @@ const ROUNDING: f64 = 1e-13;
 /// Joint speed that counts as rest, rad/s.
 const NEGLIGIBLE_SPEED: f64 = 1e-2;
 
-/// The rows Uᵀ[J, −d] of a scaled task.
+/// The rows Uᵀ[J, −ν d] of a scaled task.
 #[derive(Debug, Clone)]
 pub struct ScaledTask {
     /// UᵀJ.
     pub rows: Matrix,
-    /// −Uᵀd.
+    /// −ν Uᵀd.
     pub direction: Vector,
     /// ‖ẋ‖.
     pub speed: f64,
+    /// ν.
+    pub unit: f64,
     /// ‖J‖.
     norm: f64,
 }
@@ -47,14 +50,17 @@ impl ScaledTask {
         let open = Svd::new(&(&jacobian - &jacobian * projector));
         let basis = open.range(open.rank(RANK_TOLERANCE * norm));
         let direction = if speed > 0.0 { velocity / speed } else { velocity };
-        Self { rows: basis.tr_mul(&jacobian), direction: -basis.tr_mul(&direction), speed, norm }
+        let rows = basis.tr_mul(&jacobian);
+        let unit = rows.norm();
+        Self { rows, direction: basis.tr_mul(&direction) * -unit, speed, unit, norm }
     }
 
     /// Returns whether q̇ (the first entries of x) moves the task along its direction with the scale s.
     pub fn keeps_direction(&self, x: &Vector, scale: f64) -> bool {
         let qdot = x.rows(0, self.rows.ncols());
         let along = scale * self.speed;
-        let off = &self.rows * qdot + &self.direction * along;
+        let unknown = if self.unit > 0.0 { along / self.unit } else { 0.0 };
+        let off = &self.rows * qdot + &self.direction * unknown;
         off.amax()
             <= KEPT * (self.norm * qdot.norm() + along.abs()) + ROUNDING * (self.speed + self.norm * NEGLIGIBLE_SPEED)
     }

@@ -82,12 +82,14 @@ pub fn damps_one_level(method: Method) -> bool {
 pub enum Scaling {
     /// As any other task: the limits do not cut it, or no scale keeps its direction.
     Off,
-    /// Uᵀ(J q̇ − r d) = 0, then r → ‖ẋ‖.
+    /// Uᵀ(J q̇ − r ν d) = 0, then r ν → ‖ẋ‖.
     On {
-        /// Uᵀ[J, −d], one row after the other.
+        /// Uᵀ[J, −ν d], one row after the other.
         rows: Vec<f64>,
         /// ‖ẋ‖.
         speed: f64,
+        /// ν > 0.
+        unit: f64,
     },
 }
 
@@ -164,8 +166,8 @@ impl Writer<'_> {
         levels.lower[..n].copy_from_slice(problem.limits.lower().as_slice());
         levels.upper[..n].copy_from_slice(problem.limits.upper().as_slice());
         for scaling in aim.scaling {
-            if let Scaling::On { speed, .. } = scaling {
-                levels.push_unknown(0.0, *speed);
+            if let Scaling::On { speed, unit, .. } = scaling {
+                levels.push_unknown(0.0, speed / unit);
             }
         }
         let mut level = None;
@@ -182,9 +184,9 @@ impl Writer<'_> {
         levels.end_level();
     }
 
-    /// Adds a task as a level of its own; a scaled task as two: its direction, then its speed r → ‖ẋ‖.
+    /// Adds a task as a level of its own; a scaled task as two: its direction, then its speed r ν → ‖ẋ‖.
     fn push_level(&mut self, k: usize) {
-        let Some(Scaling::On { rows, speed }) = self.aim.scaling.get(k) else {
+        let Some(Scaling::On { rows, speed, unit }) = self.aim.scaling.get(k) else {
             self.push_task(k);
             self.levels.end_level();
             return;
@@ -196,7 +198,7 @@ impl Writer<'_> {
             self.levels.push_equation(row[..n].iter().copied().chain(others()).chain([row[n]]), 0.0);
         }
         self.levels.end_level();
-        self.levels.push_equation(std::iter::repeat_n(0.0, unknown).chain([1.0]), *speed);
+        self.levels.push_equation(std::iter::repeat_n(0.0, unknown).chain([*unit]), *speed);
         self.levels.end_level();
     }
 

@@ -196,11 +196,11 @@ impl PlanRun {
             self.scaled.examine(problem, step, k, &self.targets);
             if self.scaled.keeps_direction(&self.solution.x, 1.0) {
                 self.set_scale(problem, step, k, Some(1.0));
-            } else if let Scaling::On { rows, speed } = self.scaled.scaling() {
-                self.scaling[k] = Scaling::On { rows, speed };
+            } else if let Scaling::On { rows, speed, unit } = self.scaled.scaling() {
+                self.scaling[k] = Scaling::On { rows, speed, unit };
                 solved = self.solve_again(problem, step, damping, solved);
                 let unknown = scale_unknown(problem.tasks.joint_count(), &self.scaling, k);
-                let scale = self.solution.x[unknown] / speed;
+                let scale = self.solution.x[unknown] * (unit / speed);
                 if self.scaled.keeps_direction(&self.solution.x, scale) {
                     self.set_scale(problem, step, k, Some(scale));
                 } else {

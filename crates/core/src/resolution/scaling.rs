@@ -1,8 +1,9 @@
 //! Tasks that are slowed down rather than bent: J_k q̇ = s ẋ_k with the largest s ≤ 1.
 //!
 //! With an orthonormal basis U of the velocities that J_k can reach next to the higher tasks without limits and d = ẋ_k/‖ẋ_k‖,
-//! the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r d) = 0, and then the speed r = s ‖ẋ_k‖ is as large as possible: two levels in place
-//! of one. The unknown is the speed and not the scale, so that a large request does not make the rows ill-conditioned.
+//! the unknowns (q̇, r) obey Uᵀ(J_k q̇ − r ν d) = 0, and then r ν = s ‖ẋ_k‖ is as large as possible: two levels in place of one.
+//! The unknown is a speed and not the scale, and ν = ‖UᵀJ_k‖, so that neither a large request nor the unit of the rows makes
+//! them ill-conditioned.
 
 use revprio_problem::Problem;
 
@@ -13,12 +14,13 @@ use crate::tolerances::TOLERANCES;
 /// The direction rows of the task that was examined last.
 #[derive(Default)]
 pub struct ScaledTasks {
-    /// Uᵀ[J, −d], row by row, n + 1 entries each.
+    /// Uᵀ[J, −ν d], row by row, n + 1 entries each.
     rows: Vec<f64>,
     columns: usize,
-    /// ‖J‖ and ‖ẋ‖.
+    /// ‖J‖, ‖ẋ‖ and ν.
     norm: f64,
     size: f64,
+    unit: f64,
 }
 
 impl ScaledTasks {
@@ -49,7 +51,9 @@ impl ScaledTasks {
         let open = Svd::new(&open);
         let basis = open.range(open.rank(TOLERANCES.rank * self.norm));
         let direction = if self.size > 0.0 { velocity / self.size } else { velocity };
-        let (rows, last) = (basis.tr_mul(&jacobian), -basis.tr_mul(&direction));
+        let rows = basis.tr_mul(&jacobian);
+        self.unit = rows.norm();
+        let last = basis.tr_mul(&direction) * -self.unit;
         self.columns = n + 1;
         self.rows.clear();
         for i in 0..rows.nrows() {
@@ -57,18 +61,22 @@ impl ScaledTasks {
         }
     }
 
-    /// Returns how the task is scaled; `Off` for a task at rest, which has no direction.
+    /// Returns how the task is scaled; `Off` for a task at rest, which has no direction, and for one that no joint moves.
     pub fn scaling(&self) -> Scaling {
-        if self.size > 0.0 { Scaling::On { rows: self.rows.clone(), speed: self.size } } else { Scaling::Off }
+        if self.size > 0.0 && self.unit > 0.0 {
+            Scaling::On { rows: self.rows.clone(), speed: self.size, unit: self.unit }
+        } else {
+            Scaling::Off
+        }
     }
 
     /// Returns whether q̇ (the first n entries of `x`) moves the task along its direction with the scale s.
     pub fn keeps_direction(&self, x: &[f64], scale: f64) -> bool {
-        let speed_along = scale * self.size;
+        let (speed_along, unit) = (scale * self.size, self.unit);
         let qdot = &x[..self.columns - 1];
         let speed = qdot.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let off =
-            |row: &[f64]| row.iter().zip(qdot.iter().chain([&speed_along])).map(|(a, x)| a * x).sum::<f64>().abs();
+        let unknown = if unit > 0.0 { speed_along / unit } else { 0.0 };
+        let off = |row: &[f64]| row.iter().zip(qdot.iter().chain([&unknown])).map(|(a, x)| a * x).sum::<f64>().abs();
         let kept =
             TOLERANCES.scaled_direction * (self.norm * speed + speed_along.abs()) + TOLERANCES.scaled_rest * self.size;
         self.rows.chunks_exact(self.columns).all(|row| off(row) <= kept)

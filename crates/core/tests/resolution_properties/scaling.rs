@@ -141,6 +141,26 @@ fn limits_change_the_direction_of_a_task_unless_it_is_scaled() {
     }
 }
 
+/// The unit of the rows is no matter of the task: metres or micrometres.
+#[test]
+fn a_scaled_task_has_the_same_factor_in_all_units() {
+    let J = Matrix::from_row_slice(2, 3, &[1.0, 0.5, 0.25, 0.25, 1.0, -0.5]);
+    let limits = VelocityBox::new(&[-1.0; 3], &[1.0; 3]).unwrap();
+    for method in [Method::StrictReversePriority, Method::ReversePriority, Method::Pseudoinverse] {
+        for (solver, exponents) in [(Solver::Auto, -12..=12), (Solver::Qp, -8..=8)] {
+            for exponent in exponents {
+                let unit = 10_f64.powi(exponent);
+                let task = Task::new("", &J * unit, Vector::from_row_slice(&[4.0, 1.0]) * unit);
+                let tasks = TaskStack::new(vec![Task { scaled: true, ..task }]).unwrap();
+                let problem = Problem { limits: limits.clone(), method, ..Problem::new(tasks) };
+                let answer = resolve_with(solver, &problem, &[]).unwrap();
+                let scale = answer.tasks[0].scale.unwrap_or(0.0);
+                assert!((scale - 11.0 / 28.0).abs() <= 1e-9, "{solver:?}, {method:?}, 1e{exponent}: {answer:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_task_without_active_limits_has_the_factor_one() {
     for solver in [Solver::ClosedForm, Solver::Qp, Solver::Auto] {
