@@ -90,12 +90,15 @@ fn describe(request: &StabilityRequest, answer: &StabilityAnswer) -> String {
     let stable = if answer.stable { "stable" } else { "unstable" };
     format!(
         "{stable}, spectral radius {}\nlargest lag           {}\nlargest delay         {}\nsmallest damping B_d  {}\n\
-         largest damping B_d   {}\n",
+         largest damping B_d   {}\nloop                  period {} ms, lag {} ms, delay {}\n",
         spectral_radius(answer.spectral_radius),
         largest_lag(request, answer),
         largest_delay(request, answer),
         smallest_damping(request, answer),
         answer.largest_damping.map_or_else(|| "none".to_owned(), |damping| format!("below {}", plain(damping))),
+        plain(1e3 * request.period_s),
+        plain(1e3 * request.lag_s),
+        periods(request.delay_periods),
     )
 }
 
@@ -124,11 +127,14 @@ fn largest_delay(request: &StabilityRequest, answer: &StabilityAnswer) -> String
     // Rounding can make the loop stable in the search for the margin alone.
     let is_stable = |delay: &usize| answer.stable || *delay != request.delay_periods;
     match answer.largest_delay_periods.filter(is_stable) {
-        Some(1) => "1 period".to_owned(),
         Some(delay) if delay >= MAX_DELAY_PERIODS => format!("{delay} periods or more"),
-        Some(delay) => format!("{delay} periods"),
+        Some(delay) => periods(delay),
         None => "none".to_owned(),
     }
+}
+
+fn periods(number: usize) -> String {
+    if number == 1 { "1 period".to_owned() } else { format!("{number} periods") }
 }
 
 /// Formats the smallest damping. A loop without any damping swings without end, so that 0 is stable only if the environment damps.

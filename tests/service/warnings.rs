@@ -40,6 +40,19 @@ fn a_controller_that_is_stable_or_without_environment_has_no_warning() {
     assert_eq!(warnings(&service, &elsewhere), [""; 0]);
 }
 
+/// Nobody measures the lag of an arm twice: what the drive states need not be said of the environment again.
+#[test]
+fn a_stated_drive_counts_for_the_contact() {
+    let service = Service::start();
+    let mut controller = at_the_wall(0.0);
+    assert_eq!(warnings(&service, &controller), [""; 0]);
+    controller["drive"] = json!({"lag_s": 0.005, "delay_periods": 0});
+    assert_eq!(warnings(&service, &controller), warnings(&service, &at_the_wall(0.005)));
+    controller["drive"] = json!({"lag_s": 0.0, "delay_periods": 4});
+    let delayed = warnings(&service, &controller);
+    assert!(delayed.len() == 1 && delayed[0].contains("admissible delay"), "{delayed:?}");
+}
+
 #[test]
 fn the_first_task_on_an_axis_counts() {
     let service = Service::start();

@@ -69,10 +69,12 @@ pub struct Environment {
     /// Environment about z of the base; default: none.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub rz: Option<EnvironmentAxis>,
-    /// Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
+    /// Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0. A larger `lag_s` of the
+    /// controller's `drive` counts, unless that is the default one.
     #[serde(default)]
     pub lag_s: f64,
-    /// Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0.
+    /// Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0. A
+    /// larger `delay_periods` of the controller's `drive` counts, unless that is the default one.
     #[serde(default, deserialize_with = "integer::deserialize")]
     pub delay_periods: usize,
     /// Whether states contain the measured joint velocity; otherwise the last command replaces it. Default `true`.

@@ -37,6 +37,7 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
     let environment = request.environment.as_ref()?;
     let contact = environment.along(axis)?;
     let [inertia, damping, stiffness] = law.contact_gains(row)?;
+    let drive = stated_drive(request);
     Some(ContactLoop {
         inertia,
         damping,
@@ -45,10 +46,16 @@ fn contact_loop(request: &wire::Controller, axis: Axis, law: &Law, row: usize) -
         environment_damping: contact.damping,
         environment_stiffness: contact.stiffness,
         period_s: request.period_s,
-        lag_s: environment.lag_s + request.wrench_sensor.map_or(0.0, |sensor| sensor.filter_time_s),
-        delay_periods: environment.delay_periods,
+        lag_s: environment.lag_s.max(drive.lag_s) + request.wrench_sensor.map_or(0.0, |sensor| sensor.filter_time_s),
+        delay_periods: environment.delay_periods.max(usize::try_from(drive.delay_periods).unwrap_or(usize::MAX)),
         velocity_measured: environment.velocity_measured,
     })
+}
+
+/// Returns the drive of the controller if it is not the default one, which is slower than most arms; otherwise an ideal one.
+fn stated_drive(request: &wire::Controller) -> wire::JointDrive {
+    let is_stated = request.drive != wire::JointDrive::default();
+    if is_stated { request.drive } else { wire::JointDrive { lag_s: 0.0, delay_periods: 0 } }
 }
 
 /// Describes an unstable loop and the changes that make it stable.
