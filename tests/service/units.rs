@@ -298,3 +298,44 @@ fn a_first_task_whose_position_gives_way_to_its_orientation_says_so() {
     assert!(both.contains("keeps its orientation rather than its position"), "{both}");
     assert_eq!(found(&["x", "y", "z"]), "");
 }
+
+#[test]
+fn a_profile_that_ended_before_the_first_state_is_reported() {
+    let service = Service::start();
+    let point = |time_s: f64, value: f64| json!({"time_s": time_s, "value": [value]});
+    for (profile, end_s) in [
+        (json!({"kind": "waypoints", "points": [point(0.0, 0.0), point(2.0, 0.1)]}), 2.0),
+        (json!({"kind": "steps", "points": [point(0.0, 0.0), point(3.0, 0.1)]}), 3.0),
+        (json!({"kind": "ramp", "start": [0.0], "end": [0.1], "start_time_s": 1.0, "duration_s": 4.0}), 5.0),
+    ] {
+        let law = json!({"kind": "pose", "gain": 2, "target_pose": "initial", "target_displacement": profile});
+        let controller = controller(&[json!({"name": "go", "axes": ["x"], "law": law})]);
+        let first = |time_s: f64| {
+            let mut state = example("state.json");
+            state["time_s"] = json!(time_s);
+            let answer =
+                service.call("/v1/step", &json!({"controller": controller, "state": state.clone(), "memory": null}));
+            state["sequence"] = json!(state["sequence"].as_u64().unwrap() + 1);
+            let later = json!({"controller": controller, "state": state, "memory": answer["memory"]});
+            assert!(!warnings(&service.call("/v1/step", &later)).contains("profile"), "{time_s}");
+            warnings(&answer)
+        };
+        let report = format!("task `go`: its profile ended at {end_s} s, before the first state");
+        assert!(first(5000.0).contains(&report), "{}", first(5000.0));
+        // At its end, and on a clock with which profiles begin at the first state.
+        for time_s in [0.0, end_s, 1.7e9] {
+            assert!(!first(time_s).contains("profile"), "{time_s}");
+        }
+    }
+}
+
+#[test]
+fn a_period_in_milliseconds_is_reported() {
+    let service = Service::start();
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.0]}});
+    let with_period = |period_s: f64| {
+        let tasks = [json!({"name": "go", "axes": ["x"], "law": law})];
+        created(&service, &json!({"robot": "sawyer_dh", "period_s": period_s, "tasks": tasks}))
+    };
+    assert!(with_period(8.0).contains("`period_s` is 8 s") && !with_period(1.0).contains("`period_s` is"));
+}

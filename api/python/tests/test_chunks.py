@@ -84,6 +84,11 @@ def test_a_gripper_closes_with_the_actions_within_its_rate() -> None:
     assert changes.max() <= 0.1 * PERIOD + 1e-12
 
 
+def test_a_chunk_without_values_is_refused() -> None:
+    with pytest.raises(revprio.InvalidError, match="the actions have no values"):
+        revprio.chunk([0.1, 0.2])
+
+
 def test_wrong_shapes_are_refused_with_a_pointer() -> None:
     position = [[0.3, 0.0, 0.5], [0.31, 0.0, 0.5]]
     wrong: list[tuple[Any, Any, str, str]] = [

@@ -218,6 +218,32 @@ def test_a_length_prefers_the_position_or_the_orientation() -> None:
     assert lost["position"][0] < lost["balance"][0] <= lost["orientation"][0]
     assert lost["position"][1] > lost["balance"][1] >= lost["orientation"][1]
     assert revprio.characteristic_length("balance", reach_m=0.2) == pytest.approx(0.2)
+    with pytest.raises(InvalidError, match="give `position`, `balance` or `orientation`"):
+        revprio.characteristic_length("tilt")  # type: ignore[arg-type]
+
+
+def test_warnings_about_a_controller_are_logged(client: Client, caplog: pytest.LogCaptureFixture) -> None:
+    fields: dict[str, Any] = {"robot": "panda", "period_s": 0.001, "tasks": revprio.push(axis="z", newtons=-15)}
+    for create in (revprio.Controller, client.session):
+        caplog.clear()
+        with create(**fields) as arm:
+            assert not caplog.records
+            arm.change(limits="velocity")
+            assert len(arm.warnings) == 1
+            assert [(record.name, record.message) for record in caplog.records] == [("revprio", arm.warnings[0])]
+        with create(**fields, limits="velocity") as arm:
+            assert [record.message for record in caplog.records] == 2 * arm.warnings
+
+
+def test_what_is_no_measurement_and_no_robot_is_named() -> None:
+    with pytest.raises(TypeError, match=r"'panda' is no robot; give what `revprio.robot"):
+        revprio.Watchdog.of("panda")  # type: ignore[arg-type]
+    watchdog = revprio.Watchdog.of(revprio.robot("sawyer_dh"))
+    with (
+        revprio.Controller(robot="sawyer_dh", period_s=0.01, tasks=revprio.push(axis="z", newtons=-15)) as arm,
+        pytest.raises(TypeError, match=r"`read` returned ndarray; return a `revprio.Measurement"),
+    ):
+        revprio.drive(arm, lambda: Q, lambda _: None, watchdog=watchdog)  # type: ignore[arg-type, return-value]
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e4, 1e5])

@@ -123,6 +123,11 @@ def test_motors_that_lack_a_joint_are_refused(kinematics: RobotKinematics, motor
         EEToJoints(kinematics, motors)
 
 
+def test_names_that_lack_a_joint_of_the_chain_are_refused(kinematics: RobotKinematics) -> None:
+    with pytest.raises(ValueError, match=f"`joint_names` lacks {kinematics.chain[0]}; give all joints"):
+        RobotKinematics(kinematics.urdf_path, kinematics.target_frame_name, kinematics.chain[1:])
+
+
 @pytest.mark.parametrize(
     "wrong", [{}, {"ee.x": math.nan}, {"ee.x": None}, {"ee.wx": "a"}, {"ee.y": 1e300}, {"ee.wz": 10**400}]
 )

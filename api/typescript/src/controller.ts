@@ -17,6 +17,11 @@ export class Session extends Stepping {
     this.id = created.id;
   }
 
+  /** What the controller may do wrong: unstable loops, numbers in wrong units, gains that are too high. Print them. */
+  get warnings(): string[] {
+    return this.created.warnings;
+  }
+
   override stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
     return this.connection.call<StepAnswer>("POST", `${this.path()}/step`, state, this.connection.stepOptions(options));
   }

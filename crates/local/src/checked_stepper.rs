@@ -13,6 +13,7 @@ use super::error::ApiError;
 use super::robots::Robots;
 use super::solvers::stepper;
 use super::state_rules::{LastState, StateRules};
+use super::warnings::ProfileEnd;
 use super::{request_warnings, warnings, why};
 
 /// A controller with its workspace, and the rules for its states.
@@ -21,6 +22,7 @@ pub struct CheckedStepper {
     rules: StateRules,
     /// Warnings about the controller in its first answer.
     first_warnings: Vec<String>,
+    profile_ends: Vec<ProfileEnd>,
 }
 
 impl CheckedStepper {
@@ -28,8 +30,9 @@ impl CheckedStepper {
     pub fn new(request: &wire::Controller, controller: Controller) -> Result<Self, ApiError> {
         let rules = convert::state_rules(request)?;
         let first_warnings = warnings::of_first_step(request, controller.config());
+        let profile_ends = warnings::profile_ends(request);
         let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
-        Ok(Self { stepper, rules, first_warnings })
+        Ok(Self { stepper, rules, first_warnings, profile_ends })
     }
 
     /// Returns the controller.
@@ -59,6 +62,13 @@ impl CheckedStepper {
         Ok(wire::StepAnswer { warnings, why, ..answer })
     }
 
+    /// Returns the warnings about the controller and the time of its first state, s.
+    fn first_warnings(&self, time_s: f64) -> Vec<String> {
+        let mut warnings = self.first_warnings.clone();
+        warnings::warn_about_profiles(&mut warnings, &self.profile_ends, time_s);
+        warnings
+    }
+
     /// Computes the command of a step, and the remarks of its answer.
     fn command(
         &mut self,
@@ -69,7 +79,7 @@ impl CheckedStepper {
     ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
         let config = controller.config();
-        let mut warnings = if memory.is_none() { self.first_warnings.clone() } else { Vec::new() };
+        let mut warnings = if memory.is_none() { self.first_warnings(measurement.time_s) } else { Vec::new() };
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);

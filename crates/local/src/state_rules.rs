@@ -1,5 +1,7 @@
 //! The rules for the states of a controller: bounds beyond which a state is refused, and warnings about the others.
 
+use std::f64::consts::TAU;
+
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Stall, StalledJoint};
 use revprio_robot::{Joint, RobotModel};
@@ -20,6 +22,9 @@ const SPEED_MARGIN: f64 = 1.5;
 
 /// Distance between two states that is plausible at any time, rad or m. It covers noise and bends of the joint.
 const POSITION_MARGIN: f64 = 0.02;
+
+/// A jump that differs from a whole turn by less, rad, is that of an encoder that begins anew.
+const WRAP_TOLERANCE: f64 = 0.2;
 
 /// The rules for the states of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,10 +157,13 @@ impl LastState {
             let moved = (q - before).abs();
             if moved > POSITION_MARGIN + SPEED_MARGIN * joint.limits.velocity * moving_time {
                 let name = &joint.name;
-                warnings.push(format!(
-                    "joint `{name}` jumped from {before} to {q}, further than its speed limit allows; check the sensor, \
-                     and that one client alone steps this controller"
-                ));
+                let is_turn = !joint.kind.is_translation() && (moved - TAU).abs() < WRAP_TOLERANCE;
+                let advice = if is_turn {
+                    "a whole turn; send positions that go on where the encoder begins anew"
+                } else {
+                    "further than its speed limit allows; check the sensor, and that one client alone steps this controller"
+                };
+                warnings.push(format!("joint `{name}` jumped from {before} to {q}, {advice}"));
             }
         }
     }

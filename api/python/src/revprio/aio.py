@@ -45,6 +45,7 @@ from revprio.models import (
     TareRequest,
     Wrench,
 )
+from revprio.reported import log_warnings
 from revprio.retry import RetryBudget, no_answer
 from revprio.simulations import POLL_S, has_ended
 from revprio.states import StateNumbering
@@ -337,6 +338,7 @@ class AsyncSession(AsyncController):
     async def open(self) -> None:
         """Opens the session."""
         self.created = await self._client.call(routes.CREATE_CONTROLLER(body=self.config))
+        log_warnings(self.created.warnings)
 
     @property
     def joints(self) -> list[str]:
@@ -345,7 +347,10 @@ class AsyncSession(AsyncController):
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
+        """What the controller may do wrong: unstable loops, numbers in wrong units, gains that are too high.
+
+        The logger `revprio` prints them when the controller is created or changed.
+        """
         return self.created.warnings
 
     @property
@@ -359,6 +364,7 @@ class AsyncSession(AsyncController):
 
     async def _replace(self, config: ControllerConfig) -> None:
         self.created = await self._client.call(routes.REPLACE_CONTROLLER(self.id, body=config))
+        log_warnings(self.created.warnings)
         self.config = config
 
     async def status(self) -> SessionStatus:

@@ -43,6 +43,8 @@ def chunk(  # noqa: PLR0913 - what actions may have, by name
         "gripper": _rows("gripper", gripper, times, 1),
     }
     given = {name: rows for name, rows in columns.items() if rows is not None}
+    if not given:
+        raise _refusal("position", "the actions have no values; give `position` or another one")
 
     def action(k: int) -> ChunkAction:
         values = {name: _value(name, rows[k]) for name, rows in given.items()}

@@ -11,6 +11,7 @@ from revprio._native import RefusedError
 from revprio.bodies import ArrayLike, JointVector
 from revprio.models import ChannelInput, ControllerConfig, ObstacleState, State, StepAnswer, StreamedTarget, Wrench
 from revprio.native import LazyStepAnswer, set_fields
+from revprio.reported import log_warnings
 from revprio.typed import fields_of
 
 new = object.__new__
@@ -39,6 +40,7 @@ class Controller:
         """The fields of the controller that were given."""
         self._native = native.controller(config.json_bytes())
         self._next = 0
+        log_warnings(self.warnings)
 
     @property
     def joints(self) -> list[str]:
@@ -47,7 +49,10 @@ class Controller:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
+        """What the controller may do wrong: unstable loops, numbers in wrong units, gains that are too high.
+
+        The logger `revprio` prints them when the controller is created or changed.
+        """
         return self._native.warnings
 
     def step(  # noqa: PLR0913 - the parts of a state, by name
@@ -107,6 +112,7 @@ class Controller:
 
     def _replace(self, config: ControllerConfig) -> None:
         native.replace(self._native, config.json_bytes())
+        log_warnings(self.warnings)
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""

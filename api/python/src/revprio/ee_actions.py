@@ -66,6 +66,10 @@ class RobotKinematics:
         # The joints that move the frame, from the root on.
         self.chain = [joint.name for joint in robot.joints]
         self.joint_names = joint_names or [*self.chain, *(joint for joint in joints if joint not in self.chain)]
+        missing = [joint for joint in self.chain if joint not in self.joint_names]
+        if missing:
+            message = f"`joint_names` lacks {', '.join(missing)}; give all joints that move `{target_frame_name}`"
+            raise ValueError(message)
         unlimited = np.array([-np.inf, np.inf])
         ranges = [unlimited if joint.position_limit is None else joint.position_limit for joint in robot.joints]
         self._ranges = np.array(ranges)

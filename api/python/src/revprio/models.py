@@ -1073,7 +1073,8 @@ class PlaneInequality(Tagged):
     Fields:
 
     - kind: Selects the variant.
-    - normal: Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3.
+    - normal: Normal n of the plane in the base frame, towards the forbidden side, of any length; n is the vector of
+      length one. Shape: 3.
     - offset_m: Distance of the plane from the base origin along n, m.
     - name: Name, unique in the list; default `inequality 1`, `inequality 2`, …
     - point: Point p that is held back: `tool`, the name of a joint for the origin of its frame, or that of a tip or
@@ -1085,7 +1086,8 @@ class PlaneInequality(Tagged):
     kind: Literal["plane"] = "plane"
     """Selects the variant."""
     normal: Vector
-    """Normal n of the plane in the base frame, towards the forbidden side, any length. Shape: 3."""
+    """Normal n of the plane in the base frame, towards the forbidden side, of any length; n is the vector of length
+    one. Shape: 3."""
     offset_m: float
     """Distance of the plane from the base origin along n, m."""
     name: str | None = None
@@ -2600,8 +2602,9 @@ class Environment(Body):
     Fields:
 
     - delay_periods: Delay of a command, control periods: from the measurement to the motion that its answer causes.
-      Default 0.
-    - lag_s: Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0.
+      Default 0. A larger `delay_periods` of the controller's `drive` counts, unless that is the default one.
+    - lag_s: Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0. A larger
+      `lag_s` of the controller's `drive` counts, unless that is the default one.
     - rx: Environment about x of the base; default: none.
     - ry: Environment about y of the base; default: none.
     - rz: Environment about z of the base; default: none.
@@ -2613,9 +2616,11 @@ class Environment(Body):
     """
 
     delay_periods: int | None = None
-    """Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0."""
+    """Delay of a command, control periods: from the measurement to the motion that its answer causes. Default 0. A
+    larger `delay_periods` of the controller's `drive` counts, unless that is the default one."""
     lag_s: float | None = None
-    """Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0."""
+    """Lag τ of the arm's velocity loop, s. Take a measured one; 0 is an ideal arm. Default 0. A larger `lag_s` of the
+    controller's `drive` counts, unless that is the default one."""
     rx: EnvironmentAxis | None = None
     """Environment about x of the base; default: none."""
     ry: EnvironmentAxis | None = None

@@ -288,6 +288,8 @@ def characteristic_length(prefer: Literal["position", "balance", "orientation"],
     that must not tilt, `"balance"` others. For a strict order, use two tasks instead.
     `reach_m`: reach of the arm, m; 1 suits arms that reach 0.3 to 4 m.
     """
+    if prefer not in PREFERRED_LENGTH:
+        raise _invalid("/prefer", f"`{prefer}` is unknown; give `position`, `balance` or `orientation`")
     return PREFERRED_LENGTH[prefer] * reach_m
 
 

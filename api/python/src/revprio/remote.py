@@ -30,6 +30,7 @@ from revprio.models import (
     TareRequest,
     Wrench,
 )
+from revprio.reported import log_warnings
 from revprio.states import StateNumbering
 from revprio.streaming import ReplyMatcher, receive, refused_handshake
 from revprio.transport import Caller, Connector
@@ -116,6 +117,7 @@ class Session(RemoteController):
     def _open(self) -> None:
         """Opens the session."""
         self.created = self._client.call(routes.CREATE_CONTROLLER(body=self.config))
+        log_warnings(self.created.warnings)
 
     @property
     def joints(self) -> list[str]:
@@ -124,7 +126,10 @@ class Session(RemoteController):
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings: unstable loops, in free space and with the `environment`, and gains that are too high."""
+        """What the controller may do wrong: unstable loops, numbers in wrong units, gains that are too high.
+
+        The logger `revprio` prints them when the controller is created or changed.
+        """
         return self.created.warnings
 
     @property
@@ -138,6 +143,7 @@ class Session(RemoteController):
 
     def _replace(self, config: ControllerConfig) -> None:
         self.created = self._client.call(routes.REPLACE_CONTROLLER(self.id, body=config))
+        log_warnings(self.created.warnings)
         self.config = config
 
     def status(self) -> SessionStatus:

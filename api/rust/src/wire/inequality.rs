@@ -23,7 +23,7 @@ pub enum Inequality {
         /// Name, unique in the list; default `inequality 1`, `inequality 2`, …
         #[serde(skip_serializing_if = "Option::is_none")]
         name: Option<String>,
-        /// Normal n of the plane in the base frame, towards the forbidden side, any length.
+        /// Normal n of the plane in the base frame, towards the forbidden side, of any length; n is the vector of length one.
         normal: [f64; 3],
         /// Distance of the plane from the base origin along n, m.
         offset_m: f64,

@@ -56,7 +56,7 @@ pub use stability::{ContactLoop, EigenvalueError, MAX_DELAY_PERIODS, Margin, Sta
 pub use state::{
     AnsweredState, Command, JerkState, JointTurns, LEAVING_TIME, LINE_INTERVALS, Line, Measurement, Memory,
     MemoryError, Obstacle, Progress, RestState, Stall, StalledJoint, StepError, StuckTask, TIMES_AHEAD, TaskGain,
-    TaskTarget, TipWrench, VirtualArm,
+    TaskTarget, TipWrench, UNIX_TIME_S, VirtualArm,
 };
 pub use stepper::Stepper;
 pub use transition::TransitionError;

@@ -5,6 +5,8 @@ mod contact;
 mod deadband;
 mod free_space;
 mod limits;
+mod period;
+mod profiles;
 mod state_bounds;
 mod surface;
 mod taken_rows;
@@ -21,6 +23,7 @@ use super::error::ApiError;
 use super::request_warnings;
 
 pub use channels::warn as warn_about_channels;
+pub use profiles::{ProfileEnd, ends as profile_ends, warn as warn_about_profiles};
 pub use tare::warn as warn_about_tare;
 pub use targets::warn as warn_about_targets;
 pub use weights::warn as warn_about_weights;
@@ -51,6 +54,7 @@ pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> V
     let mut warnings = request_warnings::of_controller(request, &config.robot);
     warnings.extend(contradictory_contacts(request, config));
     warnings.extend(limits::warnings(config));
+    warnings.extend(period::warning(config.period_s));
     warnings
 }
 

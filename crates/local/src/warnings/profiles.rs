@@ -1,0 +1,47 @@
+//! Warnings about profiles that have ended before the loop begins, because they count on another clock than the states.
+
+use revprio_api::wire::{self, LawTarget, Profile};
+use revprio_core::controller::UNIX_TIME_S;
+
+/// Until when the target of a task moves.
+#[derive(Debug)]
+pub struct ProfileEnd {
+    task: String,
+    end_s: f64,
+}
+
+/// Returns the tasks whose target moves for a while and then rests.
+pub fn ends(request: &wire::Controller) -> Vec<ProfileEnd> {
+    let with_law = request.tasks.iter().filter_map(|task| Some((&task.name, task.law.as_ref()?)));
+    with_law.filter_map(|(task, law)| Some(ProfileEnd { task: task.clone(), end_s: end_s(target(law)?)? })).collect()
+}
+
+/// Adds a warning for each profile that had ended at the time of the first state, s.
+pub fn warn(warnings: &mut Vec<String>, ends: &[ProfileEnd], time_s: f64) {
+    let missed = ends.iter().filter(|profile| profile.end_s < time_s && time_s <= UNIX_TIME_S);
+    warnings.extend(missed.map(|ProfileEnd { task, end_s }| {
+        format!(
+            "task `{task}`: its profile ended at {end_s} s, before the first state at `time_s` {time_s}, so its target is the end; let \
+             the clock of the loop begin at zero, or send Unix time, with which profiles begin at the first state"
+        )
+    }));
+}
+
+fn target(law: &wire::Law) -> Option<&Profile> {
+    match law.target() {
+        LawTarget::Velocity(profile) | LawTarget::Joints { position: profile, .. } => Some(profile),
+        LawTarget::Pose { displacement, .. } => displacement,
+        LawTarget::None => None,
+    }
+}
+
+/// Returns when a profile ends, s; `None`: never, or it does not move.
+fn end_s(profile: &Profile) -> Option<f64> {
+    match profile {
+        Profile::Ramp { start_time_s, duration_s, .. } => Some(start_time_s + duration_s),
+        Profile::Waypoints { points } | Profile::Steps { points } => {
+            points.last().filter(|_| points.len() > 1).map(|point| point.time_s)
+        }
+        _ => None,
+    }
+}
