@@ -1,5 +1,6 @@
 //! `revprio robots`: the robots that the program knows, and what it reads from a robot file.
 
+use revprio_local::warnings;
 use revprio_robot::{Joint, RobotModel, VelocityEnvelope, built_in};
 
 use super::error::CliError;
@@ -146,9 +147,10 @@ fn remarks(robot: &RobotModel) -> String {
              `acceleration` in the overrides file, from the data sheet",
         ),
     ];
-    let lines = found.iter().filter(|(joints, _)| !joints.is_empty());
-    let lines: Vec<_> =
-        lines.map(|(joints, text)| wrapped(&format!("{joints}: {text}."), WIDTH).join("\n") + "\n").collect();
+    let absent = found.iter().filter(|(joints, _)| !joints.is_empty());
+    let absent = absent.map(|(joints, text)| format!("{joints}: {text}."));
+    let units = warnings::of_description(robot).into_iter().map(|text| format!("warning: {text}"));
+    let lines: Vec<_> = units.chain(absent).map(|text| wrapped(&text, WIDTH).join("\n") + "\n").collect();
     if lines.is_empty() { "The file states all limits that a controller needs.\n".to_owned() } else { lines.concat() }
 }
 

@@ -157,8 +157,8 @@ fn a_position_that_no_motion_explains_is_flagged() {
 fn an_encoder_that_begins_anew_is_named() {
     let session = Session::open(|controller| controller["robot"] = json!("gen3"));
     let at = |sequence: u64, position: f64| state(sequence, 0.001 * sequence as f64, position);
-    session.warnings(&at(1, 3.14));
-    let flagged = session.warnings(&at(2, -3.14));
+    session.warnings(&at(1, 3.1));
+    let flagged = session.warnings(&at(2, -3.1));
     assert!(flagged.contains("`joint_1` jumped") && flagged.contains("a whole turn"), "{flagged}");
     assert!(session.warnings(&at(3, 0.0)).contains("check the sensor"));
 }

@@ -275,6 +275,24 @@ fn bounds_without_rest_and_answers_that_expire_too_early_are_told() {
 }
 
 #[test]
+fn a_description_in_millimetres_and_degrees_is_named() {
+    let service = Service::start();
+    let of = |name: &str, urdf: &str| {
+        service.post("/v1/robots", &registration(name, urdf).to_string()).accepted();
+        let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.5]}});
+        let task = json!({"name": "pull", "axes": ["y"], "law": law});
+        warnings(&service, &json!({"robot": name, "period_s": 0.01, "tasks": [task]})).join("\n")
+    };
+    assert!(!of("right", CRANK).contains(" in "));
+    assert_eq!(
+        of("millimetres", &CRANK.replace("\"2 0 0\"", "\"2000 0 0\"")),
+        "`millimetres` reaches 2000 m; is its description in millimetres?"
+    );
+    let degrees = of("degrees", &CRANK.replace("lower=\"-3\" upper=\"3\"", "lower=\"-170\" upper=\"170\""));
+    assert!(degrees.contains("the range of joint `crank` is -170 to 170 rad; is it in degrees?"), "{degrees}");
+}
+
+#[test]
 fn a_gantry_reaches_as_far_as_its_slides() {
     let service = Service::start();
     let slide = |name: &str, parent: &str, axis: &str, most: f64| {

@@ -3,6 +3,7 @@
 mod channels;
 mod contact;
 mod deadband;
+mod description;
 mod free_space;
 mod limits;
 mod period;
@@ -23,6 +24,7 @@ use super::error::ApiError;
 use super::request_warnings;
 
 pub use channels::warn as warn_about_channels;
+pub use description::warnings as of_description;
 pub use profiles::{ProfileEnd, ends as profile_ends, warn as warn_about_profiles};
 pub use tare::warn as warn_about_tare;
 pub use targets::warn as warn_about_targets;
@@ -41,6 +43,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     warnings.extend(state_bounds::warnings(request, config));
     warnings.extend(free_space::warnings(request, config));
     warnings.extend(config.steep_gains().map(|steep| describe(&steep)));
+    warnings.extend(description::warnings(&config.robot));
     warnings.extend(unusual_size(request, config));
     warnings.extend(huge_shapes(request, config));
     warnings.extend(uncovered_links(request, config));
@@ -104,6 +107,7 @@ fn uncovered_links(request: &wire::Controller, config: &ControllerConfig) -> Opt
 fn unusual_size(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
     let (reach, chosen) = (config.robot.reach(), request.characteristic_length_m != 1.0);
     let turns = config.robot.joints().iter().any(|joint| !joint.kind.is_translation());
+    let turns = turns && !description::reaches_too_far(&config.robot);
     (turns && config.damping.is_some() && !chosen && !ORDINARY_REACH_M.contains(&reach)).then(|| {
         let (least, most) = CHARACTERISTIC_LENGTH_M;
         let [reach, suits] = [reach, reach.clamp(least, most)].map(|length| significant(length, 3));
