@@ -19,7 +19,7 @@ export class Session extends Stepping {
 
   /** What the controller may do wrong: unstable loops, numbers in wrong units, gains that are too high. Print them. */
   get warnings(): string[] {
-    return this.created.warnings;
+    return this.created.warnings ?? [];
   }
 
   override stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {

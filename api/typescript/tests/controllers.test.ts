@@ -39,7 +39,7 @@ suite("controllers", () => {
   test("a session has the warnings about its controller, also about one that replaces it", async (t) => {
     const client = testClient((await serve(t)).url);
     const session = await client.session(CONTROLLER);
-    assert.deepEqual(session.warnings, session.created.warnings);
+    assert.deepEqual(session.warnings, session.created.warnings ?? []);
     await session.replace({ ...CONTROLLER, limits: "velocity" });
     assert.match(session.warnings.join(), /the limits `velocity` leave out the acceleration limits/);
     await session.close();
