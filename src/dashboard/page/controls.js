@@ -57,11 +57,11 @@ function bindSetup(runControl, attempt) {
     const { setup, scenario } = runControl;
     if (setup && scenario) history.replaceState(null, '', `#${setups.toFragment(setup, scenario)}`);
   };
-  const change = (/** @type {Partial<Setup>} */ part) => {
+  const change = (/** @type {setups.Change} */ part) => {
     attempt(async () => {
       await runControl.change(part);
       saveInAddress();
-      if (part.order || part.planes || part.obstacles) showLists(runControl, change);
+      if (typeof part === 'function' || part.order) showLists(runControl, change);
     });
   };
   planesForm.bind(runControl, change);
@@ -107,7 +107,7 @@ function speedOf(power) {
   return Number((10 ** power).toPrecision(2));
 }
 
-/** @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
+/** @type {(runControl: RunControl, change: (part: setups.Change) => void) => void} */
 function showSetup(runControl, change) {
   const { setup, scenario } = runControl;
   if (!setup || !scenario) return;
@@ -134,7 +134,7 @@ function showSetup(runControl, change) {
   element('contacts').replaceChildren(...contactFields(runControl, change));
 }
 
-/** Shows tasks, planes and obstacles. @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => void} */
+/** Shows tasks, planes and obstacles. @type {(runControl: RunControl, change: (part: setups.Change) => void) => void} */
 function showLists(runControl, change) {
   element('tasks').replaceChildren(...taskItems(runControl, change));
   focusMoved();
@@ -142,7 +142,7 @@ function showLists(runControl, change) {
   obstaclesForm.show(runControl, change);
 }
 
-/** @type {(runControl: RunControl, change: (part: Partial<Setup>) => void) => HTMLElement[]} */
+/** @type {(runControl: RunControl, change: (part: setups.Change) => void) => HTMLElement[]} */
 function contactFields(runControl, change) {
   const contacts = runControl.scenario?.contacts ?? [];
   return contacts.map((contact, i) => {
@@ -171,7 +171,7 @@ function bindRun(runControl, attempt) {
       button('undo').click();
     }
     const target = /** @type {HTMLElement} */ (event.target);
-    const isControl = target.closest('input, select, textarea, dialog, summary, a') || (event.key === ' ' && target.closest('button'));
+    const isControl = target.closest('input:not([type="range"]), select, textarea, dialog, summary, a') || (event.key === ' ' && target.closest('button'));
     if (isControl || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
     const act = keys[event.key];
     if (!act || state.value.source === 'session') return;

@@ -1,6 +1,5 @@
 // Changes to the setup: applied to the current run where possible, recorded for undo, and marked in the plots.
 
-import { fixed } from './number.js';
 import { continued } from './continuation.js';
 import { Measures } from './measures.js';
 import * as setups from './setup.js';
@@ -37,17 +36,25 @@ export function bind(runControl) {
   runControl.change = (change) => afterOthers(() => record(runControl, change));
 }
 
-/** Records the setup, then changes it. @type {(runControl: RunControl, change: Partial<Setup>) => Promise<void>} */
-async function record(runControl, change) {
+/** Records the setup, then changes it. @type {(runControl: RunControl, given: setups.Change) => Promise<void>} */
+async function record(runControl, given) {
   const { setup, undoable } = runControl;
+  // The setup of the moment: an earlier change may have waited for the service.
+  const change = typeof given === 'function' ? (setup ? given(setup) : {}) : given;
   const keys = Object.keys(change);
-  const isUndoable = setup && keys.some((key) => key !== 'speed');
+  const isNew = (/** @type {string} */ key) => JSON.stringify(/** @type {any} */ (setup)?.[key]) !== JSON.stringify(/** @type {any} */ (change)[key]);
+  const isUndoable = setup && keys.some((key) => key !== 'speed' && isNew(key));
   const now = performance.now();
   const continues = keys.length === 1 && keys[0] === 'targets' && now - runControl.lastMoveTime < SAME_MOVE;
   if (change.targets) runControl.lastMoveTime = now;
   if (isUndoable && !continues) undoable.push(setup);
   if (undoable.length > MAX_UNDO) undoable.shift();
-  await apply(runControl, change, continues);
+  try {
+    await apply(runControl, change, continues);
+  } catch (error) {
+    if (isUndoable && !continues) undoable.pop();
+    throw error;
+  }
 }
 
 /** Undoes the last change. @type {(runControl: RunControl) => Promise<void>} */
@@ -86,24 +93,35 @@ export const select = (runControl, name, robot = '', press = null) => afterOther
 });
 
 /**
- * Changes the setup and applies to the current run what can change during a run.
+ * Changes the setup and applies to the current run what can change during a run. If the service refuses the change, the setup of
+ * before is valid again and the run goes on with it.
  * @param {RunControl} runControl
  * @param {Partial<Setup>} change
  * @param {boolean} continues whether it continues the last change, which is marked already
  */
 async function apply(runControl, change, continues = false) {
-  if (!runControl.setup || !runControl.scenario) return;
-  runControl.setup = { ...runControl.setup, ...change };
+  const { setup: before } = runControl;
+  if (!before || !runControl.scenario) return;
+  runControl.setup = { ...before, ...change };
   runControl.onChange();
   if (!runControl.isActive) return;
   if (change.ghosts) dropGhosts(runControl);
-  for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
-  if (change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined) {
-    await restart(runControl);
-  } else {
-    const command = commandFor(runControl, change);
-    if (command) await runControl.sendControl(command, change.method === undefined);
+  const needsRun = change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined;
+  const current = currentRuns(runControl);
+  try {
+    if (needsRun) {
+      await restart(runControl, current);
+    } else {
+      const command = commandFor(runControl, change);
+      if (command) await runControl.sendControl(command, change.method === undefined);
+    }
+  } catch (error) {
+    runControl.setup = before;
+    if (needsRun) await restart(runControl, current).catch(() => {});
+    runControl.showSetup();
+    throw error;
   }
+  for (const text of continues ? [] : describe(runControl, change)) runControl.history.mark(text);
   state.set({ pending: isPending(runControl) });
 }
 
@@ -115,13 +133,15 @@ function dropGhosts(runControl) {
 }
 
 /** Returns the command for the parts of a change that a run can apply. @type {(runControl: RunControl, change: Partial<Setup>) => SimulationControl | null} */
-function commandFor({ running, setup }, change) {
+function commandFor({ running, scenario, setup }, change) {
   if (!running || !setup) return null;
   const { method, solver, speed } = change;
   if (change.gains) {
     const controller = structuredClone(running.controller);
     Object.assign(controller, { method: setup.method, solver: setup.solver });
-    setups.setGains(controller, setup);
+    // A gain that is no longer in the setup is that of the scenario.
+    const gains = { ...(scenario ? setups.gainsOf(scenario) : {}), ...setup.gains };
+    setups.setGains(controller, { ...setup, gains });
     return { controller, speed };
   }
   return method ?? solver ?? speed ? { method, solver, speed } : null;
@@ -139,10 +159,14 @@ function isPending({ applied, running, ghosts, setup }) {
   );
 }
 
-/** Continues the run from its present posture with the changed tasks and planes. @param {RunControl} runControl */
-async function restart(runControl) {
-  const { run, ghosts, applied, robot, setup } = runControl;
-  const paused = state.value.phase === 'paused';
+/** @typedef {{run: Run | null, ghosts: Run[], paused: boolean}} Runs */
+
+/** @type {(runControl: RunControl) => Runs} */
+const currentRuns = ({ run, ghosts }) => ({ run, ghosts, paused: state.value.phase === 'paused' });
+
+/** Continues runs from their last posture with the changed tasks and planes. @type {(runControl: RunControl, of: Runs) => Promise<void>} */
+async function restart(runControl, { run, ghosts, paused }) {
+  const { applied, robot, setup } = runControl;
   if (!run || !applied || !robot || !setup) return;
   if (!run.history.last) {
     await runControl.start(paused);
@@ -162,8 +186,9 @@ async function restart(runControl) {
     return { method: ghost.simulation.method, scenario: own, history };
   });
   state.set({ phase: 'starting' });
+  const old = [run, ...ghosts].filter((each) => each === runControl.run || runControl.ghosts.includes(each));
   runControl.ghosts = [];
-  runControl.delete([run, ...ghosts]);
+  runControl.delete(old);
   await runControl.startRuns(scenario, run.history, others, paused);
 }
 
@@ -203,7 +228,7 @@ function describe({ scenario }, change) {
     const [key, values] = Object.entries(change.gains).at(-1) ?? ['', []];
     const [task, gain] = key.split('.');
     const name = scenario?.controller.tasks[Number(task)]?.name ?? '';
-    texts.push(key ? `${GAIN_SIGNS[gain]} of “${name}”: ${values.map((value) => fixed(value, 0)).join(' ')}` : 'gains as in the scenario');
+    texts.push(key ? `${GAIN_SIGNS[gain]} of “${name}”: ${values.map((value) => Number(value.toPrecision(4))).join(' ')}` : 'gains as in the scenario');
   }
   if (change.order) texts.push('tasks reordered');
   if (change.planes) texts.push(change.planes.length > 0 ? `planes: ${change.planes.map(({ name }) => name).join(', ')}` : 'planes removed');

@@ -68,7 +68,7 @@ export class History {
   /** @param {LiveSample} given with the time of its own run */
   push(given) {
     const measured = this.measures?.of(given);
-    const sample = this.offset > 0 ? { ...given, time_s: given.time_s + this.offset } : given;
+    const sample = this.offset > 0 ? later(given, this.offset) : given;
     this.last = sample;
     this.recent.push(sample);
     if (this.recent.length > RECENT) this.recent.splice(0, RECENT / 2);
@@ -176,7 +176,13 @@ export class History {
   }
 }
 
+/** Returns a sample on the clock of the page, which goes on where runs continue; `why` names times too. @type {(given: LiveSample, offset: number) => LiveSample} */
+function later(given, offset) {
+  const shifted = (/** @type {string} */ text) => text.replace(/\bt = ([\d.]+) s/g, (_, time) => `t = ${(Number(time) + offset).toFixed(4)} s`);
+  return { ...given, time_s: given.time_s + offset, ...(given.why && { why: given.why.map(shifted) }) };
+}
+
 /** Returns joint indices as a bit mask; bit 30 stands for index 30 and above. @param {number[]} joints */
 function mask(joints) {
-  return joints.reduce((bits, joint) => bits | (1 << Math.min(joint, 30)), 0);
+  return joints.reduce((bits, joint) => bits | (1 << joint), 0);
 }

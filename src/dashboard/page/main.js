@@ -22,6 +22,7 @@ import { state } from './state.js';
 import * as swing from './swing.js';
 import * as theme from './theme.js';
 import * as timeline from './timeline.js';
+import { ApiError } from './transport.js';
 import { view } from './view.js';
 import { world } from './world.js';
 
@@ -99,24 +100,36 @@ function draw(now) {
 }
 requestAnimationFrame(draw);
 
+/** Loads scenarios and robots, and begins. A service that is too busy is asked again. */
+async function begin() {
+  try {
+    await runControl.load();
+  } catch (error) {
+    if (!(error instanceof ApiError) || error.status !== 503) throw error;
+    showError(error, () => attempt(begin));
+    setTimeout(() => { if (runControl.scenario === null) attempt(begin); }, 1000 * (error.retryAfter ?? 1));
+    return;
+  }
+  runControl.showSetup();
+  state.set({ connection: 'ready' });
+  if (!(await link.restore(runControl))) await runControl.startMotion();
+}
+
 watchConnection(async () => {
-  const wasUnreachable = state.value.connection === 'unreachable';
+  if (state.value.connection !== 'unreachable') {
+    await begin().catch((error) => showError(error, () => attempt(begin)));
+    return;
+  }
   try {
     await runControl.load();
     runControl.showSetup();
     state.set({ connection: 'ready' });
-    if (!wasUnreachable) {
-      if (!(await link.restore(runControl))) await runControl.startMotion();
-      return;
-    }
     const detail = state.value.phase === 'lost' ? 'The run was lost. Press Run to start a new one.' : 'No run was lost.';
     notify('The service is available again', detail, { info: true });
   } catch (error) {
-    showError(error, () => attempt(async () => {
-      await runControl.load();
-      runControl.showSetup();
-      state.set({ connection: 'ready' });
-      if (!(await link.restore(runControl))) await runControl.startMotion();
-    }));
+    showError(error, () => attempt(begin));
   }
 });
+
+// An address with another setup, typed or from the history of the browser.
+addEventListener('hashchange', () => { if (!/^#\w*$/.test(location.hash)) location.reload(); });

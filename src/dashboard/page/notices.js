@@ -89,9 +89,15 @@ function askForToken(retry) {
   field.value = '';
   if (!dialog.open) dialog.showModal();
   dialog.onclose = () => {
-    if (field.value.trim() === '') return;
-    storeToken(field.value.trim());
+    const given = field.value.trim();
     field.value = '';
+    if (given === '') return;
+    // A browser sends no other characters, such as the dash that a text editor made of two hyphens.
+    if (!/^[!-~]+$/.test(given)) {
+      notify('This is no token', 'It has a character that no token has. Copy it anew.', { act: 'Give the token', onAct: () => askForToken(retry) });
+      return;
+    }
+    storeToken(given);
     retry?.();
   };
 }

@@ -23,8 +23,8 @@ export function bind(runControl, change) {
   for (const kind of KINDS) {
     element(`add-${kind}`).onclick = () => {
       const { tool } = runControl;
-      const obstacles = obstaclesOf(runControl);
-      if (tool) change({ obstacles: [...obstacles, newObstacle(obstacles, kind, vec(tool.position))] });
+      const more = (/** @type {RoomObstacle[]} */ obstacles) => [...obstacles, newObstacle(obstacles, kind, vec(/** @type {any} */ (tool).position))];
+      if (tool) change(() => ({ obstacles: more(obstaclesOf(runControl)) }));
     };
   }
 }
@@ -38,17 +38,17 @@ export function show(runControl, change) {
 /** @type {(runControl: RunControl, change: Change) => HTMLElement[]} */
 function items(runControl, change) {
   const obstacles = obstaclesOf(runControl);
-  const replace = (/** @type {number} */ at, /** @type {RoomObstacle[]} */ ...next) =>
-    change({ obstacles: [...obstacles.slice(0, at), ...next, ...obstacles.slice(at + 1)] });
-  return obstacles.map((obstacle, i) => {
+  const replace = (/** @type {RoomObstacle} */ old, /** @type {RoomObstacle[]} */ ...next) =>
+    change(() => ({ obstacles: obstaclesOf(runControl).flatMap((obstacle) => (obstacle.name === old.name ? next : [obstacle])) }));
+  return obstacles.map((obstacle) => {
     const item = document.createElement('li');
     const label = document.createElement('label');
     const at = middle(obstacle);
     label.append(`${obstacle.name} `);
-    if (at && !obstacle.moves) label.append(placeField(at, (place) => replace(i, placed(obstacle, place))), ' m');
+    if (at && !obstacle.moves) label.append(placeField(at, (place) => replace(obstacle, placed(obstacle, place))), ' m');
     const remove = document.createElement('button');
     Object.assign(remove, { type: 'button', className: 'quiet', textContent: '✕', ariaLabel: `Remove ${obstacle.name}` });
-    remove.onclick = () => replace(i);
+    remove.onclick = () => replace(obstacle);
     item.append(label, remove);
     return item;
   });

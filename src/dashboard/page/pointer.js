@@ -65,6 +65,7 @@ function bindPointer(scene, runControl) {
     return isActive && spot !== null && Math.hypot(spot.x - event.offsetX, spot.y - event.offsetY) < GRAB_RADIUS;
   };
   canvas.onpointerdown = (event) => {
+    if (event.button !== 0) return;
     canvas.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     const [spot, goal] = [toolSpot(), goalSpot()];

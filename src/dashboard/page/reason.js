@@ -73,13 +73,18 @@ function causesOf({ history }, sample) {
   const causes = new Map();
   const collect = (/** @type {LiveSample} */ { why = [] }) => {
     for (const text of why) {
-      const subject = /^(joint `[^`]*`)/.exec(text)?.[1] ?? text;
+      const subject = /^(joint `[^`]*`)/.exec(text)?.[1] ?? withoutNumbers(text);
       if (!END.test(text) && text !== CONFLICT && !causes.has(subject)) causes.set(subject, text);
     }
   };
   collect(sample);
   for (let i = history.indexAt(sample.time_s); i >= 0 && history.columns.time[i] > sample.time_s - RECENT; i -= 1) collect(history.samples[i]);
   return [...causes.values()].sort();
+}
+
+/** Returns a text that stays the same while its numbers change; names keep theirs. @type {(text: string) => string} */
+function withoutNumbers(text) {
+  return text.replace(/`[^`]*`|\d[\d.]*(e[-+]?\d+)?/g, (part) => (part.startsWith('`') ? part : '#'));
 }
 
 /** Returns whether only the lowest task gives way, and that task is a posture: a redundant arm that moves does so all the time. @type {(view: View, losses: Loss[]) => boolean} */

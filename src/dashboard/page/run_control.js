@@ -120,6 +120,7 @@ export class RunControl {
     /** @type {ScenarioList} */
     const { scenarios } = await get('/v1/scenarios');
     await this.loadRobots();
+    await this.registerAgain();
     this.scenarios = scenarios.map(({ scenario }) => scenario);
     const isFirst = !this.setup && location.hash.length < 2;
     const shared = await this.robotOfLink();
@@ -127,9 +128,20 @@ export class RunControl {
     if (robot && this.robots.some(({ name }) => name === robot)) await this.makePlayground(robot, this.setup?.press ?? pressFrom(new URLSearchParams(location.hash.slice(1)).get('press')));
     const fallback = this.scenarios.find(({ name }) => name === (isFirst ? setups.PLAYGROUND : 'stiff_wall')) ?? this.scenarios[0];
     this.setup ??= setups.fromFragment(location.hash, this.scenarios) ?? { ...setups.defaults(fallback), motion: isFirst ? 'eight' : '' };
-    const { scenario } = this.setup;
+    const { scenario, robot: lost } = this.setup;
     this.scenario = this.scenarios.find(({ name }) => name === scenario) ?? fallback;
+    if (this.scenario.name !== scenario) {
+      this.setup = setups.defaults(this.scenario);
+      this.onError(new Error(`the service has no ${lost ? `robot ${lost}` : `scenario ${scenario}`} any more; the page shows ${fallback.name}`));
+    }
     await this.showStart();
+  }
+
+  /** A service that was started again does not know the robots that were dropped onto the page. */
+  async registerAgain() {
+    const unknown = [...this.dropped].filter(([name]) => !this.robots.some((robot) => robot.name === name));
+    for (const [, registration] of unknown) await post('/v1/robots', registration);
+    if (unknown.length > 0) await this.loadRobots();
   }
 
   async loadRobots() {
@@ -177,7 +189,7 @@ export class RunControl {
   /** Registers the robot that the link of the page has, and returns its name; set by the module `link`. @type {() => Promise<string>} */
   robotOfLink = async () => '';
 
-  /** Set by the module `editing`. @type {(change: Partial<Setup>) => Promise<void>} */
+  /** Set by the module `editing`. @type {(change: setups.Change) => Promise<void>} */
   change = async () => {};
 
   /**

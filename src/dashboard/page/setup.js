@@ -32,6 +32,7 @@ import { fromText, toText } from './shared_state.js';
  * @property {import('./planes.js').Plane[]} planes planes and walls that the user added
  * @property {import('./types.js').RoomObstacle[] | null} obstacles of the controller; null: as in the scenario
  * @property {Record<string, import('./types.js').Pose>} targets moved targets by task, base frame
+ * @typedef {Partial<Setup> | ((setup: Setup) => Partial<Setup>)} Change a change of the setup, or one of the setup of its moment
  */
 
 /** @type {{value: Method, name: string}[]} */
@@ -139,6 +140,12 @@ export function applyTo(scenario, setup, start) {
   addPlanes(changed, setup.planes, start);
   setObstacles(changed, setup.obstacles);
   return changed;
+}
+
+/** Returns the gains of a scenario, by task and gain. @type {(scenario: Scenario) => Setup['gains']} */
+export function gainsOf(scenario) {
+  const all = scenario.controller.tasks.flatMap((_, k) => GAINS.map((gain) => /** @type {const} */ ([`${k}.${gain}`, gainOf(scenario, k, gain)])));
+  return Object.fromEntries(all.flatMap(([key, values]) => (values ? [[key, values]] : [])));
 }
 
 /** Changes the gains of a controller. @type {(controller: Scenario['controller'], setup: Setup) => void} */

@@ -7,7 +7,7 @@ import * as setups from './setup.js';
  * @typedef {import('./run_control.js').RunControl} RunControl
  * @typedef {import('./setup.js').Setup} Setup
  * @typedef {import('./setup.js').Gain} Gain
- * @typedef {(part: Partial<Setup>) => void} Change
+ * @typedef {(part: setups.Change) => void} Change
  */
 
 const GAIN_NAMES = { inertia: 'Inertia', damping: 'Damping', stiffness: 'Stiffness' };
@@ -116,8 +116,10 @@ export function gainFields(runControl, change, open) {
       const key = `${k}.${gain}`;
       const values = setup?.gains[key] ?? setups.gainOf(scenario, k, gain) ?? [];
       return numberField(GAIN_NAMES[gain], GAIN_SIGNS[gain], values, (changed) => {
-        const { [key]: _, ...others } = runControl.setup?.gains ?? {};
-        change({ gains: { ...others, [key]: changed } });
+        change(({ gains }) => {
+          const { [key]: _, ...others } = gains;
+          return { gains: { ...others, [key]: changed } };
+        });
       }, LEAST[gain]);
     });
     if (fields.length > 0) box.append(title, ...fields);

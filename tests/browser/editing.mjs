@@ -1,0 +1,189 @@
+// Tests of changes to the setup that the service refuses, that overtake each other, or that it has forgotten.
+
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { TIMEOUT_MS, cleanUp, launch, open, serve, waitForClock, waitForState, waitForText, withSetup } from './harness.mjs';
+
+let browser;
+let service;
+before(async () => {
+  browser = await launch();
+  service = await serve();
+}, { timeout: TIMEOUT_MS });
+after(async () => {
+  cleanUp();
+  await browser?.close();
+});
+
+const options = { timeout: 2 * TIMEOUT_MS };
+
+/** Opens a setup; `body` gets the page. */
+function withPage(fragment, body) {
+  return withSetup(browser, `${service.url}/#${fragment}`, async (page) => {
+    await page.evaluate(() => document.querySelectorAll('details').forEach((part) => { part.open = true; }));
+    follow(page);
+    await body(page);
+  });
+}
+
+const count = (page, items) => page.locator(items).count();
+
+/** Path of the latest run of a page. */
+const runs = new WeakMap();
+
+/** Notes the runs of a page. */
+function follow(page) {
+  page.on('request', (request) => {
+    const run = /\/v1\/simulations\/[^/]+(?=\/live)/.exec(request.url());
+    if (run) runs.set(page, run[0]);
+  });
+}
+
+/** Returns the controller of the run from its latest control cycle. */
+const controllerOf = (page) => page.evaluate(async (run) => (await (await fetch(`${run}/cycle`)).json()).controller, runs.get(page));
+
+test('a change that the service refuses leaves the run and the lists as they were', options, () => withPage('scenario=playground&robot=panda&solver=closed_form', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 1);
+  await page.click('#add-sphere');
+  await waitForText(page, '#notice', /collisions/);
+  await waitForState(page, 'phase', 'running');
+  await waitForClock(page, 0);
+  const time = await page.evaluate(() => Number.parseFloat(document.getElementById('clock').textContent));
+  assert.ok(time > 1, `the run goes on from ${time} s`);
+  assert.equal(await count(page, '#obstacles li'), 0);
+  assert.equal(await page.isDisabled('#undo'), true);
+  // The hidden sphere would forbid the solver now.
+  await page.selectOption('#method', 'damped_least_squares');
+  await waitForClock(page, time + 0.3);
+  assert.equal((await controllerOf(page)).collisions, undefined);
+}));
+
+test('a solver that the service refuses is not chosen', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#add-sphere');
+  await page.waitForSelector('#obstacles li');
+  await page.click('#go');
+  await waitForClock(page, 0.1);
+  await page.selectOption('#solver', 'closed_form');
+  await waitForText(page, '#notice', /collisions/);
+  await page.waitForFunction(() => document.getElementById('solver').value === 'auto');
+  await waitForState(page, 'phase', 'running');
+}));
+
+test('changes that follow each other faster than the service answers are all made', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  await page.click('#go');
+  await waitForClock(page, 0.1);
+  await page.route('**/v1/simulations*', async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, 300));
+    await route.continue();
+  });
+  for (let k = 0; k < 3; k += 1) await page.click('#add-wall');
+  await page.waitForFunction(() => document.querySelectorAll('#planes li').length === 3);
+  const names = await page.locator('#planes label').allTextContents();
+  // The rows stay until the first removal is answered; both clicks are on what the user sees.
+  await page.evaluate(() => {
+    const [first, second] = document.querySelectorAll('#planes button');
+    first.click();
+    second.click();
+  });
+  await page.waitForFunction(() => document.querySelectorAll('#planes li').length === 1);
+  assert.deepEqual(await page.locator('#planes label').allTextContents(), [names[2]]);
+}));
+
+test('undo returns a gain that was set before the run', options, () => withPage('scenario=human_push', async (page) => {
+  const field = page.locator('#gains input').nth(2);
+  const before = await field.inputValue();
+  await field.fill('900');
+  await field.blur();
+  await page.click('#go');
+  await waitForClock(page, 0.1);
+  const stiffness = async () => JSON.stringify((await controllerOf(page)).tasks.map(({ law }) => law?.stiffness));
+  assert.match(await stiffness(), /900/);
+  await page.click('#undo');
+  await page.waitForFunction((text) => document.querySelectorAll('#gains input')[2].value === text, before);
+  await waitForClock(page, 0.3);
+  assert.doesNotMatch(await stiffness(), /900/);
+}));
+
+test('causes are counted once while their numbers change, and times are those of the page', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const text = await page.evaluate(async () => {
+    const { reason } = await import('/dashboard/reason.js');
+    const sample = (k) => ({
+      time_s: k / 100, joint_velocity: [1], residual_norms: [], contacts: [],
+      why: [`the smallest singular value is 0.0${60 + k}`, `inequality \`plane ${1 + (k % 2)}\` is at its bound`],
+    });
+    const samples = Array.from({ length: 10 }, (_, k) => sample(k));
+    const history = { samples, columns: { time: samples.map(({ time_s }) => time_s) }, indexAt: () => 9 };
+    return reason({ history, sample: samples[9], controller: { tasks: [] } }).text;
+  });
+  assert.match(text, /singular value is 0\.069/);
+  assert.doesNotMatch(text, /0\.068|more limits/);
+  for (const plane of ['plane 1', 'plane 2']) assert.match(text, new RegExp(plane));
+
+  const why = await page.evaluate(async () => {
+    const { History } = await import('/dashboard/history.js');
+    const history = new History();
+    history.offset = 9.5;
+    history.push({
+      time_s: 0.4, position: [0, 0, 0], orientation: [1, 0, 0, 0], force: [0, 0, 0], target_force: [], at_lower: [31], at_upper: [],
+      residual_norms: [], joint_position: [0], why: ['task `a` has made no progress since t = 0.3640 s'],
+    });
+    return [history.last.why[0], history.columns.lower[0] >>> 0];
+  });
+  assert.deepEqual(why, ['task `a` has made no progress since t = 9.8640 s', 2 ** 31]);
+}));
+
+test('a service that is busy when the page opens is asked again', options, async () => {
+  const { page, pageErrors, close } = await open(browser, 'about:blank');
+  let refused = 0;
+  await page.route('**/v1/robots', (route) => {
+    refused += 1;
+    return refused > 1 ? route.continue() : route.fulfill({ status: 503, headers: { 'retry-after': '1' }, contentType: 'application/problem+json', body: '{"title":"Busy","detail":"busy","status":503}' });
+  });
+  await page.goto(`${service.url}/#scenario=playground&robot=panda`);
+  await page.waitForFunction(() => document.getElementById('robot').options.length > 5);
+  await waitForState(page, 'connection', 'ready');
+  assert.deepEqual(pageErrors, []);
+  await close();
+});
+
+test('a token with a character that cannot be sent is refused, and the dialog comes back', options, async () => {
+  const guarded = await serve(0, 's3cret-token');
+  const { page, pageErrors, close } = await open(browser, guarded.url);
+  await page.waitForSelector('#token-dialog[open]');
+  await page.fill('#token', 's3cret–token');
+  await page.keyboard.press('Enter');
+  await page.click('text=Give the token');
+  await page.waitForSelector('#token-dialog[open]');
+  await page.fill('#token', 's3cret-token');
+  await page.keyboard.press('Enter');
+  await waitForState(page, 'connection', 'ready');
+  assert.deepEqual(pageErrors, []);
+  await close();
+  await guarded.stop();
+});
+
+const CRANK = `<robot name="crank"><link name="base"/><link name="arm"/><link name="tool"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1.5" effort="1"/></joint>
+  <joint name="hand" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.5 0 0"/></joint></robot>`;
+
+test('a robot that was dropped onto the page is there again when the service was started again', options, async () => {
+  const first = await serve();
+  const { page, pageErrors, close } = await open(browser, `${first.url}/#scenario=stiff_wall`);
+  follow(page);
+  await waitForState(page, 'connection', 'ready');
+  await page.setInputFiles('#urdf', { name: 'crank.urdf', mimeType: 'text/xml', buffer: Buffer.from(CRANK) });
+  await page.waitForFunction(() => document.getElementById('robot').value === 'my_crank');
+  await first.stop('SIGKILL');
+  await waitForState(page, 'connection', 'unreachable');
+  const second = await serve(first.port);
+  await waitForState(page, 'connection', 'ready');
+  await page.waitForFunction(() => [...document.getElementById('robot').options].some(({ value }) => value === 'my_crank'));
+  await page.click('#go');
+  await waitForClock(page, 0.05);
+  assert.equal((await controllerOf(page)).robot, 'my_crank');
+  assert.deepEqual(pageErrors, []);
+  await close();
+  await second.stop();
+});
