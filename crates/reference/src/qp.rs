@@ -89,7 +89,7 @@ impl<'a> PlanRun<'a> {
             let scaled = ScaledTask::new(self.problem, step, k, &self.aim.targets);
             if scaled.keeps_direction(&solved.1.x, 1.0) {
                 self.set_scale(step, k, 1.0);
-            } else if scaled.speed > 0.0 && scaled.unit > 0.0 {
+            } else if scaled.speed > 0.0 {
                 self.aim.scaled[k] = Some(scaled.clone());
                 solved = self.solve_posed(step);
                 let unknown = self.problem.tasks.joint_count() + self.aim.scaled[..k].iter().flatten().count();

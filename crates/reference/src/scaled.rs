@@ -15,6 +15,9 @@ const KEPT: f64 = 1e-9;
 /// Residual, relative to the requested speed, that counts as kept where the task comes to rest.
 const ROUNDING: f64 = 1e-13;
 
+/// Smallest ν, relative to ‖ẋ‖: slower tasks count as stopped, and r stays a number that can be squared.
+const LEAST_UNIT: f64 = 1e-9;
+
 /// Joint speed that counts as rest, rad/s.
 const NEGLIGIBLE_SPEED: f64 = 1e-2;
 
@@ -51,7 +54,7 @@ impl ScaledTask {
         let basis = open.range(open.rank(RANK_TOLERANCE * norm));
         let direction = if speed > 0.0 { velocity / speed } else { velocity };
         let rows = basis.tr_mul(&jacobian);
-        let unit = rows.norm();
+        let unit = rows.norm().max(LEAST_UNIT * speed);
         Self { rows, direction: basis.tr_mul(&direction) * -unit, speed, unit, norm }
     }
 

@@ -11,6 +11,9 @@ use super::plan::{Scaling, Step};
 use crate::linalg::{Matrix, Svd, Vector, stack};
 use crate::tolerances::TOLERANCES;
 
+/// Smallest ν, relative to ‖ẋ‖: slower tasks count as stopped, and r stays a number that can be squared.
+const LEAST_UNIT: f64 = 1e-9;
+
 /// The direction rows of the task that was examined last.
 #[derive(Default)]
 pub struct ScaledTasks {
@@ -52,7 +55,7 @@ impl ScaledTasks {
         let basis = open.range(open.rank(TOLERANCES.rank * self.norm));
         let direction = if self.size > 0.0 { velocity / self.size } else { velocity };
         let rows = basis.tr_mul(&jacobian);
-        self.unit = rows.norm();
+        self.unit = rows.norm().max(LEAST_UNIT * self.size);
         let last = basis.tr_mul(&direction) * -self.unit;
         self.columns = n + 1;
         self.rows.clear();
@@ -61,9 +64,9 @@ impl ScaledTasks {
         }
     }
 
-    /// Returns how the task is scaled; `Off` for a task at rest, which has no direction, and for one that no joint moves.
+    /// Returns how the task is scaled; `Off` for a task at rest, which has no direction.
     pub fn scaling(&self) -> Scaling {
-        if self.size > 0.0 && self.unit > 0.0 {
+        if self.size > 0.0 {
             Scaling::On { rows: self.rows.clone(), speed: self.size, unit: self.unit }
         } else {
             Scaling::Off

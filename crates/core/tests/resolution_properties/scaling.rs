@@ -161,6 +161,19 @@ fn a_scaled_task_has_the_same_factor_in_all_units() {
     }
 }
 
+/// Rows that hardly move the task: it stops, and the answer is certified.
+#[test]
+fn a_scaled_task_that_joints_hardly_move_stops() {
+    for unit in [1e-300, 1e-200, 1e-100, 1e-30] {
+        let task = Task::new("", Matrix::identity(2, 2) * unit, Vector::from_row_slice(&[4.0, 1.0]));
+        let limits = VelocityBox::new(&[-1.0; 2], &[1.0; 2]).unwrap();
+        let problem = Problem { limits, ..Problem::new(TaskStack::new(vec![Task { scaled: true, ..task }]).unwrap()) };
+        let answer = resolve(&problem, &[]).unwrap();
+        assert_eq!(answer.solver.status, Status::Optimal, "{unit:e}: {answer:?}");
+        assert!(answer.tasks[0].scale.unwrap_or(0.0) <= 1e-25, "{unit:e}: {answer:?}");
+    }
+}
+
 #[test]
 fn a_task_without_active_limits_has_the_factor_one() {
     for solver in [Solver::ClosedForm, Solver::Qp, Solver::Auto] {
