@@ -212,10 +212,13 @@ impl Interval {
         let (mut lower, mut upper) = bounds((to_lower, to_upper));
         // After lost states, with noise, or with a drive that is faster than stated, the box can ask for more than full braking.
         // It need not if full braking from now on stops the joint in time.
-        let stops = |forgiving: f64, distance: f64| forgiving.max(max_braking_speed(limits, distance, period));
-        let stopping = (-stops(-forgiving.0, to_lower), stops(forgiving.1, to_upper));
-        lower = lower.min(if fastest >= stopping.0 { fastest } else { fastest.max(at_once.0) });
-        upper = upper.max(if slowest <= stopping.1 { slowest } else { slowest.min(at_once.1) });
+        let stops = |speed: f64, forgiving: f64, distance: f64| {
+            speed <= forgiving || speed <= max_braking_speed(limits, distance, period)
+        };
+        let (stops_lower, stops_upper) =
+            (stops(-fastest, -forgiving.0, to_lower), stops(slowest, forgiving.1, to_upper));
+        lower = lower.min(if stops_lower { fastest } else { fastest.max(at_once.0) });
+        upper = upper.max(if stops_upper { slowest } else { slowest.min(at_once.1) });
         let cause = |bound: f64| match bound {
             _ if is_same(bound, slowest) || is_same(bound, fastest) => BoundCause::Acceleration,
             _ if is_same(bound.abs(), limits.velocity) => BoundCause::Velocity,
