@@ -21,7 +21,16 @@ fn middle(robot: &RobotModel) -> Vec<f64> {
 
 /// Returns the largest v ≤ V with v τ + v²/2a ≤ d, by bisection; d ≥ 0.
 fn stopping_speed(limits: &JointLimits, distance: f64) -> f64 {
-    let (reaction, a) = (reaction_time(PERIOD), braking_deceleration(limits));
+    speed_after(limits, reaction_time(PERIOD), distance)
+}
+
+/// Returns the largest v ≤ V of which the commands v, v − a T, … end within d; they move a joint by v T/2 + v²/2a.
+fn full_braking_speed(limits: &JointLimits, distance: f64) -> f64 {
+    speed_after(limits, 0.5 * PERIOD, distance.max(0.0))
+}
+
+fn speed_after(limits: &JointLimits, reaction: f64, distance: f64) -> f64 {
+    let a = braking_deceleration(limits);
     let (mut slow, mut fast) = (0.0, limits.velocity);
     for _ in 0..100 {
         let v = f64::midpoint(slow, fast);
@@ -68,11 +77,13 @@ proptest! {
         let at_rest = (now.0 + to_rest.min(0.0), now.1 - to_rest.max(0.0));
         let change = limits.acceleration * PERIOD;
         let (resting, at_once) = (range(limits, at_rest, last, change), range(limits, now, last, change));
-        // 0.5 mrad of noise.
+        // 0.5 mrad of noise, or of what lost states took.
         let bound = |distance: f64, last: f64| -range(limits, (distance + 5e-4, f64::INFINITY), last, change).0;
-        let is_noise = |braked: f64, distance: f64| braked <= bound(distance, -braked - change);
-        let lower = resting.0.min(if is_noise(-last - change, at_rest.0) { last + change } else { (last + change).max(at_once.0) });
-        let upper = resting.1.max(if is_noise(last - change, at_rest.1) { last - change } else { (last - change).min(at_once.1) });
+        let brakes_fully = |braked: f64, distance: f64| {
+            braked <= bound(distance, -braked - change).max(full_braking_speed(limits, distance + 5e-4))
+        };
+        let lower = resting.0.min(if brakes_fully(-last - change, at_rest.0) { last + change } else { (last + change).max(at_once.0) });
+        let upper = resting.1.max(if brakes_fully(last - change, at_rest.1) { last - change } else { (last - change).min(at_once.1) });
         let expected = ((last - change).clamp(lower, upper), (last + change).clamp(lower, upper));
         let found = (limited.velocity_box.lower()[1], limited.velocity_box.upper()[1]);
         prop_assert!((found.0 - expected.0).abs() < ERROR && (found.1 - expected.1).abs() < ERROR, "{found:?} {expected:?}");
