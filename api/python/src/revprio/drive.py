@@ -144,7 +144,7 @@ class LoopState:
     def step_arguments(self, measurement: Measurement, tick: Tick) -> dict[str, Any]:
         """Returns the arguments of `Controller.step` and stores the current time as that of the measurement."""
         self._measured_at_s, self._period_end_s = time.monotonic(), tick.end_s
-        if not isinstance(measurement, Measurement):
+        if not hasattr(measurement, "joint_position"):
             message = f"`read` returned {type(measurement).__name__}; return a `revprio.Measurement(joint_position=…)`"
             raise TypeError(message)
         return {**vars(measurement), "time_s": tick.time_s}

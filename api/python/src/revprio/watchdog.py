@@ -43,7 +43,7 @@ class Watchdog:
 
         A joint without any deceleration, in the answer or in the robot, stops at once.
         """
-        if not isinstance(robot, Robot):
+        if not hasattr(robot, "joints"):
             message = f"{robot!r} is no robot; give what `revprio.robot(…)` or `Client.robot(…)` returns"
             raise TypeError(message)
         limits = [joint.acceleration_limit for joint in robot.joints]
