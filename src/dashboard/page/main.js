@@ -130,6 +130,3 @@ watchConnection(async () => {
     showError(error, () => attempt(begin));
   }
 });
-
-// An address with another setup, typed or from the history of the browser.
-addEventListener('hashchange', () => { if (!/^#\w*$/.test(location.hash)) location.reload(); });
