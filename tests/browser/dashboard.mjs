@@ -194,18 +194,26 @@ test('the page asks for the token and watches a session of another client', opti
   await waitForState(page, 'connection', 'ready');
 
   const headers = { authorization: 'Bearer s3cret-token', 'content-type': 'application/json' };
-  const call = async (path, body) => (await fetch(service.url + path, { method: body ? 'POST' : 'GET', headers, body: body && JSON.stringify(body) })).json();
+  const call = async (path, body, method = body ? 'POST' : 'GET') =>
+    (await fetch(service.url + path, { method, headers, body: body && JSON.stringify(body) })).json();
   const scenario = await call('/v1/scenarios/stiff_wall');
   const { id } = await call('/v1/controllers', scenario.controller);
   await page.click('text=Live session');
   await waitForState(page, 'phase', 'watching');
   assert.equal(await page.inputValue('#session'), id);
   assert.equal(await page.isVisible('#go'), false);
-  for (let sequence = 0; sequence < 3; sequence += 1) {
-    const wrench = { force: [12.5, 0, 0], torque: [0, 0, 0] };
-    await call(`/v1/controllers/${id}/step`, { sequence, time_s: sequence / 1000, joint_position: scenario.start_joint_position, wrench });
-  }
+  const wrench = { force: [12.5, 0, 0], torque: [0, 0, 0] };
+  const step = (sequence) => call(`/v1/controllers/${id}/step`, { sequence, time_s: sequence / 1000, joint_position: scenario.start_joint_position, wrench });
+  for (let sequence = 0; sequence < 3; sequence += 1) await step(sequence);
   await page.waitForFunction(() => document.getElementById('force-value').textContent === '12.5');
+
+  // The calls come later than the period of the session wants them.
+  await page.waitForFunction(() => /Missed periods[1-9]/.test(document.getElementById('readouts').textContent));
+  const [first, ...others] = scenario.controller.tasks;
+  await call(`/v1/controllers/${id}`, { ...scenario.controller, tasks: [{ ...first, name: 'another task' }, ...others] }, 'PUT');
+  await step(3);
+  await page.waitForFunction(() => document.body.textContent.includes('another task'));
+  await waitForState(page, 'phase', 'watching');
   assert.deepEqual(pageErrors, []);
   await close();
   await service.stop();

@@ -91,10 +91,12 @@ function askForToken(retry) {
   dialog.onclose = () => {
     const given = field.value.trim();
     field.value = '';
-    if (given === '') return;
     // A browser sends no other characters, such as the dash that a text editor made of two hyphens.
     if (!/^[!-~]+$/.test(given)) {
-      notify('This is no token', 'It has a character that no token has. Copy it anew.', { act: 'Give the token', onAct: () => askForToken(retry) });
+      const [title, detail] = given === ''
+        ? ['This service needs a token', 'It answers nothing else without one.']
+        : ['This is no token', 'It has a character that no token has. Copy it anew.'];
+      notify(title, detail, { about: 'token', act: 'Give the token', onAct: () => askForToken(retry) });
       return;
     }
     storeToken(given);

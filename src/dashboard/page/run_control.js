@@ -373,6 +373,10 @@ export class RunControl {
     state.set({ phase: 'watching' });
     watch.follow(() => this.onChange(), (reason, error) => {
       if (this.watch !== watch) return;
+      if (reason === 'replaced') {
+        this.watchSession(id).catch(this.onError);
+        return;
+      }
       state.set({ phase: reason === 'end' ? 'finished' : 'lost' });
       if (error) this.onError(error);
     });

@@ -13,6 +13,9 @@ import { events, get } from './transport.js';
  * @typedef {import('./types.js').Robot} Robot
  */
 
+/** Time between two looks at the status of the session, ms. */
+const STATUS_TIME = 2000;
+
 /** @returns {Promise<SessionList>} */
 export function sessions() {
   return get('/v1/controllers');
@@ -48,20 +51,39 @@ export class Watch {
   }
 
   /**
-   * @param {(watch: Watch) => void} onStep
-   * @param {(reason: 'end' | 'lost', error?: unknown) => void} onEnd
+   * @param {(watch: Watch) => void} onChange called after each step, and with each status
+   * @param {(reason: 'end' | 'lost' | 'replaced', error?: unknown) => void} onEnd `replaced`: the session has another controller now
    */
-  async follow(onStep, onEnd) {
+  async follow(onChange, onEnd) {
+    const status = setInterval(() => this.readStatus(onChange, () => onEnd('replaced')), STATUS_TIME);
     const onEvent = (/** @type {string} */ _name, /** @type {WatchedStep} */ step) => {
       this.addStep(step);
-      onStep(this);
+      onChange(this);
     };
     try {
       await events(`/v1/controllers/${this.session.id}/watch`, onEvent, this.abort.signal);
       if (!this.abort.signal.aborted) onEnd('end');
     } catch (error) {
       if (!this.abort.signal.aborted) onEnd('lost', error);
+    } finally {
+      clearInterval(status);
     }
+  }
+
+  /**
+   * Reads how many periods were missed, and whether another client has replaced the controller.
+   * @param {(watch: Watch) => void} onChange
+   * @param {() => void} onReplaced
+   */
+  async readStatus(onChange, onReplaced) {
+    /** @type {SessionStatus | null} */
+    const session = await get(`/v1/controllers/${this.session.id}`).catch(() => null);
+    // The stream says that the service is gone.
+    if (!session || this.abort.signal.aborted) return;
+    const isReplaced = JSON.stringify(session.controller) !== JSON.stringify(this.session.controller);
+    if (isReplaced) return onReplaced();
+    this.session = session;
+    onChange(this);
   }
 
   /** @param {WatchedStep} step */
