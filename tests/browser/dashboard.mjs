@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync, readdirSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, cleanUp, endRun, launch, number, open, serve, findInScene, waitForState, waitForText } from './harness.mjs';
+import { TIMEOUT_MS, cleanUp, drop, endRun, launch, number, open, serve, findInScene, waitForState, waitForText } from './harness.mjs';
 
 let browser;
 before(async () => { browser = await launch(); }, { timeout: TIMEOUT_MS });
@@ -182,6 +182,10 @@ test('the page shows that the server is overloaded, and can try again', options,
   await service.stop();
 });
 
+const HINGE = `<robot name="hinge"><link name="base"/><link name="arm"/><link name="tool"/>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1.5" effort="1"/></joint>
+  <joint name="hand" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.5 0 0"/></joint></robot>`;
+
 test('the page asks for the token and watches a session of another client', options, async () => {
   const service = await serve(0, 's3cret-token');
   const { page, pageErrors, close } = await open(browser, service.url);
@@ -214,6 +218,12 @@ test('the page asks for the token and watches a session of another client', opti
   await step(3);
   await page.waitForFunction(() => document.body.textContent.includes('another task'));
   await waitForState(page, 'phase', 'watching');
+
+  await drop(page, [['hinge.urdf', HINGE]]);
+  await waitForState(page, 'phase', 'none');
+  await page.waitForFunction(() => document.getElementById('robot').value === 'my_hinge');
+  assert.equal(await page.isVisible('#session'), false);
+  assert.equal(await page.isVisible('#go'), true);
   assert.deepEqual(pageErrors, []);
   await close();
   await service.stop();

@@ -197,6 +197,7 @@ function showState(runControl) {
   document.body.dataset.service = isLocal ? 'browser' : 'server';
   for (const option of select('solver').options) option.disabled = isLocal && option.value === 'qp';
   setPill('phase', phase, source === 'session' && phase === 'none' ? 'No session selected' : PHASES[phase]);
+  for (const choice of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll('input[name="source"]'))) choice.checked = choice.value === source;
   element('simulation-form').hidden = source === 'session';
   element('session-form').hidden = source !== 'session';
   for (const part of document.querySelectorAll('.transport, .push, #target-keys')) {

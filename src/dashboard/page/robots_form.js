@@ -3,6 +3,7 @@
 import { select as selectScenario } from './editing.js';
 import { element, notify } from './notices.js';
 import { PLAYGROUND } from './setup.js';
+import { state } from './state.js';
 import { ApiError, post, removeNow } from './transport.js';
 import { parseUrdf } from './urdf.js';
 import { loadVisuals } from './visuals.js';
@@ -72,6 +73,8 @@ export async function register(runControl, given) {
   const { visuals, missing, unreadable } = await loadVisuals(model, files);
   runControl.visuals.set(name, visuals);
   await runControl.loadRobots();
+  // The page shows the robot in a scenario of its own, not in the session of another client.
+  if (state.value.source === 'session') await runControl.leaveSession();
   await selectScenario(runControl, PLAYGROUND, name);
   runControl.showSetup();
   const shown = `${visuals.shapes.length} shapes`;

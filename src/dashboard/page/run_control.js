@@ -387,7 +387,7 @@ export class RunControl {
     this.watch?.close();
     this.watch = null;
     this.cursor = null;
-    state.set({ phase: 'none', session: '' });
+    state.set({ source: 'simulation', phase: 'none', session: '' });
     await this.showStart();
   }
 
