@@ -21,6 +21,9 @@ use crate::limits::{Drive, DriveState, MAX_DRIVE_DELAY, full_braking, reaction_t
 /// Longest time, s, for which a command that moves the arm may be held. The check of a longer hold would take long.
 const LONGEST_HOLD: f64 = 0.25;
 
+/// Part of a period that rounding may add.
+const ROUNDING: f64 = 1e-9;
+
 /// How many samples of a stop are one sample of a hold, except for the shortest one. A uniform motion needs few.
 const COARSE: usize = 4;
 
@@ -283,12 +286,11 @@ impl CollisionGuard {
         self.path.follow(start(moment, self.drive, self.period), braking);
     }
 
-    /// Updates for how long a command can be held, at most `longest` (s), before a watchdog brakes; returns whether its stop is free
-    /// then. A command lasts its own period in any case.
-    pub fn update_hold(&mut self, moment: Moment, command: &[f64], longest: f64) -> bool {
+    /// Returns for how long a command can be held, at most `longest` (s), before a watchdog brakes, and whether its stop is free then. A
+    /// command lasts its own period in any case.
+    pub fn hold(&mut self, moment: Moment, command: &[f64], longest: f64) -> (bool, f64) {
         let time = self.hold_time(moment, command, longest);
-        self.report.clear_for_s = time.unwrap_or(self.period);
-        time.is_some()
+        (time.is_some(), time.unwrap_or(self.period))
     }
 
     /// Returns a time, at most `longest` (s), after which a watchdog can brake so that the stop is free: `longest`, or else S, 2 S, 4 S …
@@ -317,9 +319,22 @@ impl CollisionGuard {
     }
 
     /// Returns when the arm comes too near if a command is held for a time and a watchdog then brakes, all in s; `None`: never.
+    ///
+    /// A time that ends within a period lies between two that end with one.
     fn refused_after(&mut self, moment: Moment, command: &[f64], time: f64) -> Option<f64> {
+        let periods = time / self.period;
+        let [least, most] = [(periods + ROUNDING).floor().max(1.0), (periods - ROUNDING).ceil().max(1.0)];
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most LONGEST_HOLD/T")]
-        let held = (time / self.period).ceil() as usize;
+        let [least, most] = [least, most].map(|periods| periods as usize);
+        let refused = self.refused_after_periods(moment, command, (most, time));
+        if least == most {
+            refused
+        } else {
+            refused.or_else(|| self.refused_after_periods(moment, command, (least, time)))
+        }
+    }
+
+    fn refused_after_periods(&mut self, moment: Moment, command: &[f64], (held, time): (usize, f64)) -> Option<f64> {
         self.follow(moment, (command, held), false);
         let stride = if time > spare_time(self.period) { COARSE } else { 1 } * self.path.stride();
         self.check.first_refused(self.surroundings.scene(), (&self.path, stride), (&self.now, &self.distances))

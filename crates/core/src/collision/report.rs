@@ -25,8 +25,6 @@ pub struct CollisionReport {
     pub rows: [usize; 2],
     /// Time that the stop takes, s.
     pub stop_s: f64,
-    /// For how long the command may be held before a watchdog brakes, s.
-    pub clear_for_s: f64,
     /// Whether the stop of the command comes nearer than d_min all the same: it did so before, or something came.
     pub is_violated: bool,
 }
@@ -34,12 +32,12 @@ pub struct CollisionReport {
 impl CollisionReport {
     /// Copies another report, without allocating once both had as many pairs and rows.
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        let Self { least_distance_m, pairs, share, held_by, row_names, rows, stop_s, clear_for_s, is_violated } = self;
+        let Self { least_distance_m, pairs, share, held_by, row_names, rows, stop_s, is_violated } = self;
         pairs.clone_from(&other.pairs);
         row_names.clone_from(&other.row_names);
         held_by.clone_from(&other.held_by);
         (*least_distance_m, *share, *rows) = (other.least_distance_m, other.share, other.rows);
-        (*stop_s, *clear_for_s, *is_violated) = (other.stop_s, other.clear_for_s, other.is_violated);
+        (*stop_s, *is_violated) = (other.stop_s, other.is_violated);
     }
 }
 

@@ -71,10 +71,16 @@ impl Hold {
         (self.time_s * 1e3).min(longest as f64) as u64
     }
 
+    /// Shortens the hold to a time (s), and to no less than a period T (`period`, s).
+    pub fn shorten(&mut self, time: f64, period: f64) {
+        self.time_s = self.time_s.min(time);
+        self.last_a_period(period);
+    }
+
     /// Lets a command be held for a period T (`period`, s) at least, rounded up to whole ms.
     ///
     /// The next period counts with the command. A client that threw it away would go on with an older one, which may be faster.
-    pub fn last_a_period(&mut self, period: f64) {
+    fn last_a_period(&mut self, period: f64) {
         self.time_s = self.time_s.max((period * 1e3 - ROUNDING_MS).ceil() * 1e-3);
     }
 

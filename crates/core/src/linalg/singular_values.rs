@@ -40,6 +40,14 @@ impl SingularValues {
         }
     }
 
+    /// Decomposes a matrix of any shape.
+    pub fn decompose_matrix(&mut self, matrix: &Matrix) {
+        let (m, n) = matrix.shape();
+        let (short, long) = (m.min(n), m.max(n));
+        let entry = |i: usize, j: usize| if m <= n { matrix[(i, j)] } else { matrix[(j, i)] };
+        self.decompose(long, (0..short).flat_map(|i| (0..long).map(move |j| entry(i, j))));
+    }
+
     /// Returns how many singular values are at least `bound`, and not zero.
     pub fn count_from(&self, bound: f64) -> usize {
         let x = (bound / self.unit).max(f64::MIN_POSITIVE);

@@ -60,14 +60,6 @@ pub(super) fn record<'a>(
     command.limit_conflicts.clone_from(&allowed.limits.conflicts);
     let position = &measurement.joint_position;
     command.joint_limit_index = joint_limit_index(&config.robot, position);
-    if let Some(kind) = config.kept_limits() {
-        let velocity = command.resolution.joint_velocity.as_slice();
-        command.hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, velocity, config.period_s);
-        if let Some(collisions) = &command.collisions {
-            command.hold.time_s = command.hold.time_s.min(collisions.clear_for_s);
-        }
-        command.hold.last_a_period(config.period_s);
-    }
     if let Some(ahead) = virtual_arm {
         match &mut memory.virtual_arm {
             Some(known) => known.copy_from(ahead),

@@ -2,23 +2,27 @@
 
 mod approach;
 mod clear;
+mod hold;
+mod released;
 
 use self::approach::Approach;
 use self::clear::keep_clear;
+use self::hold::Holding;
+use super::aim::Contacts;
 use super::allow::Allowed;
 use crate::arm_state::ArmState;
 use crate::collision::{CollisionGuard, Moment};
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::{Command, Memory, TaskTarget};
+use crate::controller::state::{Command, Memory, StepError, TaskTarget};
 use crate::limits::LimitedBox;
-use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Solve};
+use crate::linalg::{SingularValues, Vector};
+use crate::resolution::{Problem, Solve};
 
 /// The answer of the solver.
 pub(super) struct Answer<'a> {
     /// The problem that the answer solves.
     pub problem: &'a Problem,
-    /// The command, whose resolution is the answer. The next step sets its other fields.
+    /// The command, whose resolution is the answer, and how long it may be held. The next step sets its other fields.
     pub command: &'a mut Command,
     /// The box in which the answer lies.
     pub limits: &'a LimitedBox,
@@ -31,6 +35,7 @@ pub(super) struct Resolving {
     solver: Box<dyn Solve>,
     approach: Option<Approach>,
     clear: LimitedBox,
+    singular: SingularValues,
     command: Command,
 }
 
@@ -40,7 +45,7 @@ impl Resolving {
         let command =
             Command { targets: targets.to_vec(), stuck: Vec::with_capacity(targets.len()), ..Command::default() };
         let clear = LimitedBox::unbounded(config.robot.joint_count());
-        Self { solver, approach: Approach::new(config), clear, command }
+        Self { solver, approach: Approach::new(config), clear, singular: SingularValues::default(), command }
     }
 
     /// Returns the command of the last period.
@@ -52,11 +57,11 @@ impl Resolving {
 /// Returns the answer to a problem within what is allowed.
 pub(super) fn resolve<'a>(
     config: &ControllerConfig,
-    (arm, previous): (&ArmState, &Memory),
+    (arm, previous, contacts): (&ArmState, &Memory, &Contacts),
     problem: &'a mut Problem,
     (allowed, guard): (&'a Allowed, Option<&mut CollisionGuard>),
-    Resolving { solver, approach, clear, command }: &'a mut Resolving,
-) -> Result<Answer<'a>, ProblemError> {
+    Resolving { solver, approach, clear, singular, command }: &'a mut Resolving,
+) -> Result<Answer<'a>, StepError> {
     for (row, allowed) in problem.inequalities.iter_mut().zip(&allowed.inequalities) {
         row.copy_from(allowed);
     }
@@ -73,15 +78,20 @@ pub(super) fn resolve<'a>(
         solver.solve(problem, &previous.active_set, &mut command.resolution)?;
         (&allowed.limits, None)
     };
-    let Some(guard) = guard else { return Ok(Answer { problem, command, limits, requested }) };
+    let holding = Holding { config, arm, contacts };
+    let Some(guard) = guard else {
+        holding.update(&mut command.hold, command.resolution.joint_velocity.as_slice(), &problem.tasks);
+        released::report((config, arm, contacts), problem, &mut command.resolution, singular)?;
+        return Ok(Answer { problem, command, limits, requested });
+    };
     let moment = Moment { arm, drive_state: &previous.drive };
-    let longest = config.valid_for_ms as f64 * 1e-3;
     let is_clear = keep_clear(
         (&mut *guard, moment),
         (&allowed.limits, &mut *clear),
         (&mut *problem, &mut **solver, &mut command.resolution),
-        (&previous.active_set, longest),
+        (&previous.active_set, holding, &mut command.hold),
     )?;
+    released::report((config, arm, contacts), problem, &mut command.resolution, singular)?;
     command.collisions.get_or_insert_default().copy_from(guard.report());
     Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
 }

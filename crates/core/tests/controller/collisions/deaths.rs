@@ -1,10 +1,18 @@
 //! Services that fall silent while the arm is near obstacles.
 
-use revprio_core::controller::{Controller, Stepper};
-use revprio_core::limits::braking_deceleration;
-use revprio_robot::Joint;
+use std::sync::Arc;
 
-use super::super::arms::Random;
+use nalgebra::{IsometryMatrix3, Vector3};
+use revprio_core::collision::{CollisionAvoidance, Obstacle};
+use revprio_core::constraint::Constraint;
+use revprio_core::controller::{Controller, ControllerConfig, Stepper};
+use revprio_core::law::{Law, Profile};
+use revprio_core::limits::{Drive, braking_deceleration};
+use revprio_robot::collision::{LinkCapsule, Segment};
+use revprio_robot::kinematics::Axis;
+use revprio_robot::{Joint, JointLimits, RobotModel};
+
+use super::super::arms::{Random, gantry, task};
 use super::super::drives::LaggingArm;
 use super::{HOME, NEAREST, Setup, config, nearest, obstacles, targets};
 
@@ -16,6 +24,25 @@ struct Deaths {
     short: u32,
     /// Smallest distance less d_min, m.
     margin: f64,
+}
+
+/// Returns the smallest distance less d_min, m, of an arm whose watchdog holds a command (n) for a time (s), then brakes.
+fn margin_of_a_death(
+    robot: &RobotModel,
+    obstacles: &[Obstacle],
+    mut arm: LaggingArm,
+    (command, valid_s, period): (&[f64], f64, f64),
+    min_distance: f64,
+) -> f64 {
+    let distances = (0..600).map(|k| {
+        let late = (f64::from(k + 1) * period - valid_s).max(0.0);
+        let ramp =
+            |(u, joint): (&f64, &Joint)| (u.abs() - braking_deceleration(&joint.limits) * late).max(0.0).copysign(*u);
+        let sent: Vec<f64> = command.iter().zip(robot.joints()).map(ramp).collect();
+        arm.follow(&sent, period);
+        nearest(robot, obstacles, &arm.q) - min_distance
+    });
+    distances.fold(f64::INFINITY, f64::min)
 }
 
 /// The service falls silent at any time. The watchdog of the arm holds the last command while it is valid, then it brakes.
@@ -42,16 +69,8 @@ fn deaths(with_jerk: bool, seed: u64) -> Deaths {
         if is_short || (i % 7 == 0 && moves) {
             found.count += 1;
             found.short += u32::from(is_short);
-            let mut alone = arm.clone();
-            for k in 0..600 {
-                let late = (f64::from(k + 1) * setup.period - valid_s).max(0.0);
-                let ramp = |(u, joint): (&f64, &Joint)| {
-                    (u.abs() - braking_deceleration(&joint.limits) * late).max(0.0).copysign(*u)
-                };
-                let sent: Vec<f64> = velocity.iter().zip(robot.joints()).map(ramp).collect();
-                alone.follow(&sent, setup.period);
-                found.margin = found.margin.min(nearest(&robot, &obstacles, &alone.q) - NEAREST);
-            }
+            let death = (velocity.as_slice(), valid_s, setup.period);
+            found.margin = found.margin.min(margin_of_a_death(&robot, &obstacles, arm.clone(), death, NEAREST));
         }
         arm.follow(&velocity, setup.period);
     }
@@ -64,6 +83,55 @@ fn an_arm_whose_service_dies_keeps_clear() {
         let found = deaths(with_jerk, seed);
         assert!(found.count > 100 && found.short > 5 && found.margin >= -1e-6, "jerk limits {with_jerk}: {found:?}");
     }
+}
+
+/// Returns a gantry that brakes slowly along x, and fast along y and z; its tool is a ball.
+fn uneven_gantry() -> Arc<RobotModel> {
+    let limits = JointLimits { lower: -1.0, upper: 1.0, velocity: 1.0, acceleration: 20.0, ..JointLimits::NONE };
+    let mut joints = gantry(limits).joints().to_vec();
+    (joints[0].limits.upper, joints[0].limits.acceleration) = (0.3, 1.0);
+    let robot = RobotModel::new("uneven_gantry", "", joints, IsometryMatrix3::identity()).unwrap();
+    let link = robot.link(&robot.links().last().unwrap().name).unwrap();
+    let ball = LinkCapsule { link, core: Segment { from: Vector3::zeros(), to: Vector3::zeros() }, radius: 0.01 };
+    Arc::new(robot.with_capsules(vec![ball], &[]).unwrap())
+}
+
+#[test]
+fn an_arm_keeps_clear_while_it_is_held_until_a_joint_must_brake_for_its_range() {
+    // The stop after one period passes on one side of the post, and that after the longest hold on the other one.
+    let (robot, period, drive) = (uneven_gantry(), 0.008, Drive { lag_s: 0.03, delay_periods: 2 });
+    let post = [Obstacle::new("post", super::capsule([0.25, 0.0, -0.2], [0.25, 0.0, 0.2], 0.005), false).unwrap()];
+    let (min_distance, mut shortened) = (0.005, 0);
+    for run in 0..16 {
+        let avoidance = CollisionAvoidance {
+            min_distance_m: min_distance,
+            obstacles: post.to_vec(),
+            ..CollisionAvoidance::default()
+        };
+        let config = ControllerConfig {
+            drive,
+            constraints: vec![Constraint::Distances(avoidance)],
+            ..ControllerConfig::new(Arc::clone(&robot), period, vec![task(&[Axis::X, Axis::Y], to_the_upper_right())])
+        };
+        let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let mut arm = LaggingArm::at_rest(&[-0.05, -0.95 + 0.03 * f64::from(run), 0.0], drive, 0.0, 1);
+        let mut memory = None;
+        for i in 0..150_u32 {
+            let command = stepper.step(&mut memory, &arm.measure(f64::from(i) * period)).unwrap();
+            let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+            let valid_s = command.hold.valid_for_ms(100) as f64 / 1e3;
+            let death = (velocity.as_slice(), valid_s, period);
+            let margin = margin_of_a_death(&robot, &post, arm.clone(), death, min_distance);
+            assert!(margin >= -1e-6, "run {run}, period {i}: {margin} after {valid_s} s");
+            shortened += u32::from(valid_s > period && valid_s < 0.1);
+            arm.follow(&velocity, period);
+        }
+    }
+    assert!(shortened > 50, "{shortened} commands were held until a joint must brake");
+}
+
+fn to_the_upper_right() -> Law {
+    Law::Velocity(Profile::constant(vec![0.5, 1.0]).unwrap())
 }
 
 #[test]
