@@ -5,7 +5,6 @@ use std::sync::Arc;
 use crate::clock::Instant;
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Memory, Stepper};
-use revprio_core::law::ContactAxis;
 use revprio_core::linalg::Vector;
 
 use super::convert;
@@ -122,7 +121,7 @@ impl PreparedController {
 }
 
 /// Why a session whose law presses is not tared.
-const TARE_IN_CONTACT: &str = "the law `contact` of this controller holds its target force, so that would count as bias; move the tool away \
+const TARE_IN_CONTACT: &str = "the law `contact` of this controller presses on a surface, so that would count as bias; move the tool away \
     from what it touches first";
 
 /// A controller from state to state: the memory of its last step, and the state to compare the next one with.
@@ -165,7 +164,7 @@ impl ControlLoop {
         controller: &wire::Controller,
     ) -> Result<(wire::TareAnswer, wire::Controller), ApiError> {
         let config = self.controller().config();
-        if self.memory.as_ref().is_some_and(|memory| memory.contacts.iter().any(ContactAxis::is_held)) {
+        if self.memory.as_ref().is_some_and(|memory| config.presses_surely(&memory.contacts)) {
             return Err(ApiError::invalid("/readings", TARE_IN_CONTACT));
         }
         for (number, reading) in request.readings.iter().enumerate() {

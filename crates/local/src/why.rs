@@ -153,7 +153,9 @@ impl Explained<'_> {
             let [value, limit] = [violated.value, violated.limit].map(|value| significant(value, 2));
             format!("joint `{joint}` moves at {value} {unit}, beyond its bound of {limit} {unit}")
         }));
-        let active = resolution.active_constraints().filter_map(|(_, active)| self.inequalities.get(active.bound.id));
+        let is_kept = |id| resolution.broken_constraints().all(|(_, broken)| broken.bound.id != id);
+        let active = resolution.active_constraints().filter(|(_, active)| is_kept(active.bound.id));
+        let active = active.filter_map(|(_, active)| self.inequalities.get(active.bound.id));
         add_once(&mut sentences, active.map(at_its_bound));
         let violated = resolution.broken_constraints().filter_map(|(_, broken)| self.inequalities.get(broken.bound.id));
         add_once(&mut sentences, violated.map(|name| format!("inequality `{name}` is not kept")));

@@ -97,11 +97,11 @@ pub fn complete(document: &mut Value) {
     memory["jerk"]["examples"] = json!([{"acceleration": [0.1], "requested": [0.5]}]);
     memory["contacts"]["examples"] = json!([[{
         "state": "contact", "position": 0.012, "sensed_position": 0.012, "force": 29.9, "surface": 0.01,
-        "contact_time_s": 0.4, "lack": 0.0, "hold_time_s": 0.3, "return_speed": 0.012, "spent_j": 0.02, "before_retreat": 0.012,
+        "contact_time_s": 0.4, "lack": 0.0, "hold_time_s": 0.3, "return_speed": 0.012, "spent_j": 0.02, "before_retreat": 0.012, "force_before_retreat": 30.1,
         "fault_position": 0.0, "stiffness": [15_300.0, 12_000.0, 130.0], "means": [0.011, 28.0],
         "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 12_000.0, 0.0], "followed": [0.012, 29.9, 0.0, 0.1, 1e-7, 0.1, 1e-7, 0.2],
         "mean_target_force": 30.0, "swing": [1.0, 0.2, 0.3],
-        "is_above": false, "unchanged": [29.9, 0.012, 0.0], "measured": measured_contact()
+        "is_above": false, "unchanged": [29.9, 0.012, 0.0], "reading_change": 0.2, "measured": measured_contact()
     }]]);
     let wrench = json!({"force": [0.0, 0.0, 14.9], "torque": [0.1, 0.0, 0.0]});
     let schemas = &mut document["components"]["schemas"];

@@ -217,6 +217,10 @@ pub struct ContactMemory {
     /// Sensed position when the tool last moved forward.
     #[schema(example = 0.012)]
     pub before_retreat: f64,
+    /// Force when the tool last moved forward, N or N·m; default 0.
+    #[schema(example = 30.1)]
+    #[serde(default)]
+    pub force_before_retreat: f64,
     /// Position at the fault.
     #[schema(example = 0.0)]
     pub fault_position: f64,
@@ -256,6 +260,10 @@ pub struct ContactMemory {
     #[schema(example = json!([29.9, 0.012, 0.0]))]
     #[serde(default)]
     pub unchanged: [f64; 3],
+    /// Rms change of the readings before that, N or N·m; default 0: the reading has shown no noise.
+    #[schema(example = 0.2)]
+    #[serde(default)]
+    pub reading_change: f64,
     /// What is known of the normal of the surface; absent for a law without `surface`, and before the first period.
     #[schema(example = json!({"normal": [0.6, 0.0, -0.8], "mean": [0.59, 0.0, -0.79], "friction": 0.31, "variance": 1e-4, "chords": 5.0,
         "is_sliding": true, "position": [[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]], "force": [[17.0, 0.0, -12.0], [17.0, 0.0, -12.0]]}))]

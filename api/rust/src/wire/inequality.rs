@@ -42,7 +42,7 @@ fn tool() -> String {
     "tool".to_owned()
 }
 
-/// An active inequality: it holds with equality and restricts the answer.
+/// An active inequality: it restricts the answer. It holds with equality, or as nearly as the others permit if it is among the violated ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ActiveInequality {
     /// Name of the inequality.

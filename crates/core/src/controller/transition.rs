@@ -7,14 +7,19 @@
 //! Position limits win over the acceleration limit, as always: the answer names the joint as a limit conflict. A joint
 //! without acceleration limit may jump.
 
+use nalgebra::Vector3;
 use revprio_robot::kinematics::ConfigurationError;
 
 use super::config::{Controller, ControllerConfig, TaskConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
+use crate::arm_state::ArmAt;
 use crate::channel::ChannelState;
 use crate::law::{ContactAxis, ContactLaw, ContactPhase};
 use crate::resolution::Solver;
 use crate::streaming::TargetStream;
+
+/// Cosine of the angle between two pressing directions below which one reverses the other.
+const REVERSED: f64 = -0.5;
 
 /// Why a controller cannot continue the motion of another one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -66,11 +71,11 @@ impl Controller {
         let (old, new) = (previous.config(), self.config());
         self.check_transition(previous)?;
         memory.check(old)?;
-        check_directions(memory, old, new)?;
         let to_rest = |joint| memory.drive.distance_to_rest(old.drive, joint, old.period_s);
         let rest: Vec<f64> = joint_position.iter().enumerate().map(|(joint, q)| q + to_rest(joint)).collect();
         let mut arm = new.allocate_arm()?;
         arm.move_to(&rest, memory.last_command.as_slice())?;
+        check_directions(memory, old, new, arm.measured())?;
         arm.initial_pose = memory.initial_pose;
         let contacts = kept_contacts(memory, old, new);
         arm.recall_surfaces(|index| contacts.get(index).map(ContactAxis::known).unwrap_or_default());
@@ -145,18 +150,49 @@ fn contact_before<'a>(
     Some((old.tasks[same].law.contact()?, old.contacts_of(same, &memory.contacts)?))
 }
 
-/// Checks that no contact law which presses reverses its direction.
-fn check_directions(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Result<(), TransitionError> {
+/// Checks that no contact law presses against the direction in which its tip presses now, whatever the names and the frames of the tasks.
+fn check_directions(
+    memory: &Memory,
+    old: &ControllerConfig,
+    new: &ControllerConfig,
+    at: ArmAt,
+) -> Result<(), TransitionError> {
+    let presses = |axis: &ContactAxis| matches!(axis.phase, ContactPhase::Contact | ContactPhase::Loss);
+    let mut pressing = Vec::new();
+    for task in 0..old.tasks.len() {
+        let axes = old.contacts_of(task, &memory.contacts).unwrap_or_default();
+        let rows = (0..axes.len()).filter(|&row| presses(&axes[row]));
+        pressing.extend(rows.filter_map(|row| Direction::of(old, (task, row), at)));
+    }
     for (task, config) in new.tasks.iter().enumerate() {
-        let before = contact_before(memory, old, config);
-        let Some((law, (before, axes))) = config.law.contact().zip(before) else { continue };
-        let presses = |axis: &ContactAxis| matches!(axis.phase, ContactPhase::Contact | ContactPhase::Loss);
-        let reverses = |row: usize| law.direction(row) != before.direction(row) && presses(&axes[row]);
-        if (0..law.rows()).any(reverses) {
+        let rows = config.law.contact().map_or(0, ContactLaw::rows);
+        let mut directions = (0..rows).filter_map(|row| Direction::of(new, (task, row), at));
+        if directions.any(|direction| pressing.iter().any(|now| direction.reverses(now))) {
             return Err(TransitionError::Reverses { task });
         }
     }
     Ok(())
+}
+
+/// A direction in which a tip presses.
+struct Direction {
+    tip: Option<usize>,
+    is_angular: Option<bool>,
+    /// A unit vector, axes of the base.
+    vector: Vector3<f64>,
+}
+
+impl Direction {
+    /// Returns the pressing direction of a row; `None`: it presses on nothing.
+    fn of(config: &ControllerConfig, (task, row): (usize, usize), at: ArmAt) -> Option<Self> {
+        let TaskConfig { rows, law, .. } = &config.tasks[task];
+        let vector = law.contact()?.direction(row) * rows.direction(row, at)?;
+        Some(Self { tip: rows.tip(&config.robot), is_angular: rows.is_angular(row, &config.robot), vector })
+    }
+
+    fn reverses(&self, other: &Self) -> bool {
+        self.tip == other.tip && self.is_angular == other.is_angular && self.vector.dot(&other.vector) < REVERSED
+    }
 }
 
 /// Returns the contacts of the tasks that stay with their name, their rows and the contact law; others start. A fault ends: who

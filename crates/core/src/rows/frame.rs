@@ -96,6 +96,18 @@ impl ToolRows {
         }
     }
 
+    /// Returns the direction of a row in the axes of the base, a unit vector.
+    pub(super) fn direction(&self, row: usize, at: ArmAt) -> Vector3<f64> {
+        let placed = self.placed(at);
+        let along = |unit: Vector3<f64>| self.select(&placed.components(unit, unit))[row];
+        Vector3::new(along(Vector3::x()), along(Vector3::y()), along(Vector3::z()))
+    }
+
+    /// Returns F_e, m.
+    pub(super) fn force_at(&self, at: ArmAt) -> TaskVector {
+        self.force(at.arm, &self.placed(at))
+    }
+
     /// Checks that the robot has the links of the body, and that the law reads no wrench of a body that is no tip.
     pub(super) fn check_body(&self, robot: &RobotModel, law: &Law) -> Result<(), RowsError> {
         let Some(body) = &self.frame.body else { return Ok(()) };

@@ -10,7 +10,7 @@ mod kind;
 mod raw;
 mod rows_error;
 
-use nalgebra::IsometryMatrix3;
+use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{Frame, TaskFrame};
 
@@ -70,6 +70,22 @@ impl TaskRows {
     pub(crate) fn tip(&self, robot: &RobotModel) -> Option<usize> {
         match self {
             Self::Tool(rows) => rows.frame.tip(robot),
+            Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => None,
+        }
+    }
+
+    /// Returns F_e, m, of the wrench that the rows read; `None`: they read none.
+    pub(crate) fn force(&self, at: ArmAt) -> Option<TaskVector> {
+        match self {
+            Self::Tool(rows) => Some(rows.force_at(at)),
+            Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => None,
+        }
+    }
+
+    /// Returns the direction of a row in the axes of the base, a unit vector; `None` for rows that are no axis of a tool.
+    pub(crate) fn direction(&self, row: usize, at: ArmAt) -> Option<Vector3<f64>> {
+        match self {
+            Self::Tool(rows) => Some(rows.direction(row, at)),
             Self::Joints(_) | Self::Raw(_) | Self::Gaze(_) => None,
         }
     }

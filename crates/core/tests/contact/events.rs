@@ -257,6 +257,80 @@ fn a_sensor_that_sticks_near_its_target_ends_in_a_fault_later() {
     assert_eq!(sticking.law.axis().phase, ContactPhase::Fault(FaultCause::Stuck), "{found:?}");
 }
 
+/// A controller whose readings are 28 N from a time on, s, and those of the sensor again from another one on.
+struct Frozen {
+    law: Pressing,
+    period: f64,
+    time: f64,
+    interval: [f64; 2],
+    fastest: f64,
+}
+
+impl Controller for Frozen {
+    fn command(&mut self, reading: f64, tool: [f64; 2]) -> f64 {
+        self.time += self.period;
+        let is_frozen = self.time > self.interval[0] && self.time < self.interval[1];
+        let velocity = self.law.command(if is_frozen { 28.0 } else { reading }, tool);
+        if self.time > self.interval[0] {
+            self.fastest = self.fastest.max(velocity);
+        }
+        velocity
+    }
+}
+
+/// A reading that does not change would look like a surface that moves with the tool, and the tool would follow it faster and faster.
+#[test]
+fn a_sensor_that_sticks_while_the_contact_is_held_moves_the_tool_no_faster_than_an_approach() {
+    for (stiffness, seed) in [1e3, 1e4, 1e5].iter().flat_map(|&stiffness| [1, 2, 3].map(|seed| (stiffness, seed))) {
+        let terms = Conditions { hold: 5.0, ..Conditions::new(stiffness, 0.005, (0.01, 1, 0.002)) }.seeded(seed);
+        let from = 1.5 + 1.5 * terms.travel();
+        let mut frozen = Frozen {
+            law: Pressing::new(&terms),
+            period: 0.002,
+            time: 0.0,
+            interval: [from, f64::INFINITY],
+            fastest: 0.0,
+        };
+        let mut peak = 0.0_f64;
+        run(&terms, &mut frozen, |[_, force, ..]| peak = peak.max(force));
+        let case = format!("{stiffness} {seed}: {peak} N, {} m/s", frozen.fastest);
+        assert_eq!(frozen.law.axis().phase, ContactPhase::Fault(FaultCause::Stuck), "{case}");
+        assert!(frozen.fastest < 0.005 + 1e-3 && peak < 40.0, "{case}");
+    }
+}
+
+/// As long as a field bus takes to come back.
+#[test]
+fn readings_that_are_old_for_50_ms_are_no_fault() {
+    for (stiffness, seed) in [1e3, 1e4, 1e5].iter().flat_map(|&stiffness| [1, 2, 3].map(|seed| (stiffness, seed))) {
+        let terms = Conditions { hold: 3.0, ..Conditions::new(stiffness, 0.005, (0.01, 1, 0.002)) }.seeded(seed);
+        let from = 1.5 + 1.5 * terms.travel();
+        let mut frozen = Frozen {
+            law: Pressing::new(&terms),
+            period: 0.002,
+            time: 0.0,
+            interval: [from, from + 0.05],
+            fastest: 0.0,
+        };
+        let found = run(&terms, &mut frozen, |_| {});
+        assert!(found.settled && !found.fault, "{stiffness} {seed}: {found:?}");
+    }
+}
+
+/// The tool retreats by up to 0.27 m, and the force falls all the while.
+#[test]
+fn a_target_that_falls_on_a_soft_surface_is_followed() {
+    for (stiffness, [before, after]) in [(300.0, [60.0, 20.0]), (500.0, [100.0, 30.0]), (300.0, [100.0, 20.0])] {
+        let terms = Conditions { target: before, hold: 6.0, ..Conditions::new(stiffness, 0.05, (0.01, 1, 0.002)) };
+        let mut law = Pressing::new(&terms);
+        law.later = Some((1.5 + 1.5 * terms.travel(), after));
+        let mut last = f64::NAN;
+        run(&terms, &mut law, |[_, force, ..]| last = force);
+        assert_eq!(law.axis().phase, ContactPhase::Contact, "{stiffness} {before} {after}: {last}");
+        assert!((last - after).abs() < 0.5, "{stiffness} {before} {after}: {last}");
+    }
+}
+
 /// So a tool meets a slope that begins to slide as soon as it presses. A stiffness that goes on learning then takes the motion of the surface for
 /// stiffness: the force peaks, and the slope that remains is wrong.
 #[test]

@@ -6,12 +6,12 @@ use revprio_core::controller::{Controller, ControllerConfig, Memory, Stepper, Ta
 use revprio_core::law::{
     AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law, unavoidable_peak,
 };
-use revprio_core::limits::Drive;
+use revprio_core::limits::{Drive, braking_deceleration};
 use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 
-use super::arms::{NOMINAL, config, constant, controller, position, sawyer, task};
+use super::arms::{NOMINAL, Random, config, constant, controller, position, sawyer, task};
 use super::drives::LaggingArm;
 
 /// T, s.
@@ -194,6 +194,145 @@ fn a_force_above_its_limit_overrules_higher_tasks() {
     }
 }
 
+/// The tasks ask for nothing then. They move all the same, and the arm is not at a singularity.
+#[test]
+fn tasks_that_a_retreat_has_released_report_how_they_move() {
+    let robot = sawyer();
+    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
+    let all = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task(&all, position(6, 3.0)), task(&[Axis::Z], contact(&[-30.0], settings))];
+    let walls = [(2, -0.001, -1.0, 5e4)];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    let mut fastest = 0.0_f64;
+    for _ in 0..250 {
+        world.update_force();
+        let mut measured = world.arm.measure(world.time);
+        measured.wrench[2] = world.force[2];
+        let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+        let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+        if matches!(command.targets[1].contact[0].phase, ContactPhase::Fault(_)) {
+            let outcome = &command.resolution.tasks[0];
+            // Both tasks have the same row z.
+            let [achieved, pressed] = [outcome.achieved[2], command.resolution.tasks[1].achieved[0]];
+            assert!((achieved - pressed).abs() < 1e-9, "{achieved} {pressed}");
+            assert!((outcome.residual_norm - outcome.achieved.norm()).abs() < 1e-12 && outcome.rank == 6);
+            fastest = fastest.max(achieved);
+        }
+        world.arm.follow(&velocity, PERIOD);
+        world.time += PERIOD;
+    }
+    assert!(fastest > 0.01, "the tool retreats at {fastest} m/s");
+}
+
+/// So a turned tool whose readings are stated in the axes of the base reads a wall below it sideways.
+#[test]
+fn a_force_beside_the_axis_counts_for_the_limit_of_an_approach() {
+    let robot = sawyer();
+    let settings = ContactSettings { max_force: 50.0, ..ContactSettings::default() };
+    let walls = [(2, 0.005, -1.0, 1e5)];
+    let run = |max_force: f64, forces: [[f64; 3]; 3]| {
+        let settings = ContactSettings { max_force, ..settings };
+        let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &walls);
+        let mut peak = 0.0_f64;
+        for _ in 0..1500 {
+            world.update_force();
+            peak = peak.max(world.force[2].abs());
+            let mut measured = world.arm.measure(world.time);
+            for (entry, row) in measured.wrench.iter_mut().zip(forces) {
+                *entry = row.iter().zip(world.force).map(|(share, force)| share * force).sum();
+            }
+            let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+            world.phase =
+                command.targets.iter().flat_map(|target| &target.contact).map(|report| report.phase).collect();
+            let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+            world.arm.follow(&velocity, PERIOD);
+            world.time += PERIOD;
+        }
+        (world.phase[0], peak)
+    };
+    let swapped = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let (phase, peak) = run(50.0, swapped);
+    assert_eq!(phase, ContactPhase::Fault(FaultCause::ForceLimit));
+    assert!(peak < 80.0, "{peak}");
+    // Friction beside a contact does not count.
+    let with_friction = [[1.0, 0.0, 0.6], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let (phase, peak) = run(34.0, with_friction);
+    assert_eq!(phase, ContactPhase::Contact, "{peak}");
+}
+
+/// The service falls silent in any period of the touch. The watchdog holds the last command while it is valid.
+#[test]
+fn a_silence_at_the_touch_costs_as_much_as_the_target() {
+    let robot = sawyer();
+    for (stiffest, speed) in [(1e6, None), (1e5, None), (1e5, Some(0.03))] {
+        let settings = ContactSettings { approach_speed: speed, stiffest, ..ContactSettings::default() };
+        let tasks = vec![task(&[Axis::Z], contact(&[-30.0], settings)), task(&OTHERS, position(5, 3.0))];
+        let walls = [(2, 0.005, -1.0, stiffest)];
+        let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+        let [mut worst, mut usual, mut fastest] = [0.0_f64; 3];
+        for _ in 0..2000 {
+            world.update_force();
+            usual = usual.max(world.force[2].abs());
+            let mut measured = world.arm.measure(world.time);
+            measured.wrench[2] = world.force[2];
+            let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+            let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+            let valid_s = command.hold.valid_for_ms(100) as f64 / 1e3;
+            fastest = fastest.max(command.targets[0].contact[0].approach_speed);
+            let arm = world.arm.clone();
+            for k in 0..100 {
+                let late = (f64::from(k + 1) * PERIOD - valid_s).max(0.0);
+                let sent: Vec<f64> = velocity
+                    .iter()
+                    .zip(robot.joints())
+                    .map(|(u, joint)| (u.abs() - braking_deceleration(&joint.limits) * late).max(0.0).copysign(*u))
+                    .collect();
+                world.arm.follow(&sent, PERIOD);
+                world.update_force();
+                worst = worst.max(world.force[2].abs());
+            }
+            world.arm = arm;
+            world.arm.follow(&velocity, PERIOD);
+            world.time += PERIOD;
+        }
+        // 10 ms at the speed of the approach, if that is more than the target, and the time until the drive follows the brake.
+        let more = (stiffest * fastest * 0.01).max(30.0) + stiffest * fastest * (DRIVE.lag_s + PERIOD);
+        assert!(
+            worst < usual.max(30.0) + more,
+            "{stiffest} {speed:?}: {worst} N, {usual} N without a silence, {fastest} m/s"
+        );
+        assert!(worst > usual + 10.0, "{stiffest} {speed:?}: no silence at the touch");
+    }
+}
+
+/// A tare in such a moment would take the force of the surface for a bias. That of a sensor in free space looks like a contact for ever.
+#[test]
+fn a_tool_presses_surely_before_the_contact_is_held_and_never_with_a_bias() {
+    let robot = sawyer();
+    let surely = |walls: Walls, bias: f64| {
+        let controller = press_down(&robot, ContactSettings::default());
+        let config = controller.config().clone();
+        let mut world = World::new(&robot, &NOMINAL, controller, walls);
+        let (mut early, mut random) = (0, Random(5));
+        for _ in 0..1000 {
+            world.update_force();
+            let mut measured = world.arm.measure(world.time);
+            measured.wrench[2] = world.force[2] - bias + 0.35 * random.signed();
+            let velocity = world.stepper.step(&mut world.memory, &measured).unwrap().resolution.joint_velocity.clone();
+            let contacts = &world.memory.as_ref().unwrap().contacts;
+            early += u32::from(config.presses_surely(contacts) && !contacts[0].is_held());
+            world.arm.follow(velocity.as_slice(), PERIOD);
+            world.time += PERIOD;
+        }
+        early
+    };
+    let early = surely(&[(2, 0.005, -1.0, 1e4)], 0.0);
+    assert!(early > 20, "{early} periods");
+    for bias in [3.0, 8.0, 20.0] {
+        assert_eq!(surely(&[], bias), 0, "{bias} N");
+    }
+}
+
 /// A contact goes on when streamed forces fail to come, and a fault retreats then, too.
 #[test]
 fn a_contact_and_its_fault_go_on_when_streamed_forces_fail_to_come() {
@@ -306,6 +445,20 @@ fn the_same_controller_goes_on_from_its_contact_and_ends_a_fault() {
     let reversed = pressing(&robot, up);
     let refused = reversed.continue_from(&first, &memory, &world.arm.q).unwrap_err();
     assert_eq!(refused, TransitionError::Reverses { task: 0 });
+    // Neither another name nor another way to state the frame hides it.
+    let mut renamed = vec![task(&[Axis::Z], contact(&[30.0], settings)), task(&OTHERS, position(5, 3.0))];
+    renamed[0].name = "lift".to_owned();
+    let both = vec![
+        task(&[Axis::Y, Axis::Z], contact(&[5.0, 30.0], settings)),
+        task(&[Axis::X, Axis::Rx, Axis::Ry, Axis::Rz], position(4, 3.0)),
+    ];
+    for tasks in [renamed, both] {
+        let refused = pressing(&robot, tasks).continue_from(&first, &memory, &world.arm.q).unwrap_err();
+        assert_eq!(refused, TransitionError::Reverses { task: 0 });
+    }
+    let sideways =
+        pressing(&robot, vec![task(&[Axis::X], contact(&[5.0], settings)), task(&[Axis::Z], position(1, 3.0))]);
+    assert!(sideways.continue_from(&first, &memory, &world.arm.q).is_ok());
     let mut free = memory.clone();
     free.contacts[0].phase = ContactPhase::Approach;
     let started = reversed.continue_from(&first, &free, &world.arm.q).unwrap();

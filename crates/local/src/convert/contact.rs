@@ -163,12 +163,18 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         return_speed: remembered(axis.return_speed, "/return_speed")?,
         spent: remembered(axis.spent_j, "/spent_j")?,
         before_retreat: remembered(axis.before_retreat, "/before_retreat")?,
+        force_before_retreat: remembered(axis.force_before_retreat, "/force_before_retreat")?,
         fault_position: remembered(axis.fault_position, "/fault_position")?,
         mean_target: remembered(axis.mean_target_force, "/mean_target_force")?,
         estimate: stiffness_memory((&axis.stiffness, &axis.means, &axis.sums), axis.followed.as_ref())?,
         motion: motion_memory(axis)?,
         swing: Swing { factor, amplitude, before, above: axis.is_above },
-        unchanged: Unchanged { force: unchanged, position: since, time },
+        unchanged: Unchanged {
+            force: unchanged,
+            position: since,
+            time,
+            change: remembered(axis.reading_change, "/reading_change")?,
+        },
         normal: axis.normal.as_ref().map_or(Ok(NormalEstimate::START), normal_memory)?,
     })
 }
@@ -327,6 +333,7 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         return_speed: axis.return_speed,
         spent_j: axis.spent,
         before_retreat: axis.before_retreat,
+        force_before_retreat: axis.force_before_retreat,
         fault_position: axis.fault_position,
         stiffness,
         means,
@@ -338,6 +345,7 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
         unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],
+        reading_change: axis.unchanged.change,
         normal: (axis.normal != NormalEstimate::START).then(|| normal_answer(&axis.normal)),
     }
 }

@@ -102,12 +102,13 @@ fn uncovered_links(request: &wire::Controller, config: &ControllerConfig) -> Opt
     })
 }
 
-/// Singular values of linear rows are proportional to the size of the arm, and the thresholds of damping are not.
+/// Singular values of linear rows are proportional to the size of the arm, and the thresholds of damping are not. Where joints slide, they are
+/// not proportional either.
 #[expect(clippy::float_cmp, reason = "any other length is a choice of the user")]
 fn unusual_size(request: &wire::Controller, config: &ControllerConfig) -> Option<String> {
     let (reach, chosen) = (config.robot.reach(), request.characteristic_length_m != 1.0);
     let turns = config.robot.joints().iter().any(|joint| !joint.kind.is_translation());
-    let turns = turns && !description::reaches_too_far(&config.robot);
+    let turns = turns && config.robot.travel() == 0.0 && !description::reaches_too_far(&config.robot);
     (turns && config.damping.is_some() && !chosen && !ORDINARY_REACH_M.contains(&reach)).then(|| {
         let (least, most) = CHARACTERISTIC_LENGTH_M;
         let [reach, suits] = [reach, reach.clamp(least, most)].map(|length| significant(length, 3));

@@ -74,6 +74,8 @@ pub struct ContactAxis {
     pub spent: f64,
     /// x_s when the tool last moved forward, m.
     pub before_retreat: f64,
+    /// F when the tool last moved forward, N.
+    pub force_before_retreat: f64,
     /// x at the fault, m.
     pub fault_position: f64,
     /// What is known of the stiffness.
@@ -103,17 +105,24 @@ impl ContactAxis {
         return_speed: 0.0,
         spent: 0.0,
         before_retreat: 0.0,
+        force_before_retreat: 0.0,
         fault_position: 0.0,
         estimate: StiffnessEstimate::NONE,
         motion: SurfaceMotion::NONE,
         swing: Swing::NONE,
-        unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0 },
+        unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0, change: 0.0 },
         normal: NormalEstimate::START,
     };
 
     /// Returns whether the tool presses, and the force has been near its target for some time.
     pub fn is_held(&self) -> bool {
         self.phase == ContactPhase::Contact && self.hold_time > 0.5 * HELD
+    }
+
+    /// Returns whether the tool certainly presses on a surface: the contact is held, or the force has risen with the way of the tool, as no bias
+    /// does. `sigma`: σ, N.
+    pub fn presses_surely(&self, sigma: f64) -> bool {
+        self.is_held() || self.phase == ContactPhase::Contact && self.knows_stiffness(sigma)
     }
 
     /// Returns whether the stiffness is known well, for a noise σ (N): also from the measured position, so that the drive does not yield.
@@ -143,6 +152,7 @@ impl ContactAxis {
             surface,
             self.fault_position,
             self.before_retreat,
+            self.force_before_retreat,
             self.motion.tool[0],
             self.motion.tool[1],
             self.motion.means[0],
@@ -162,6 +172,7 @@ impl ContactAxis {
             self.swing.amplitude,
             self.swing.before,
             self.unchanged.time,
+            self.unchanged.change,
         ];
         let is_finite = |value: &f64| value.is_finite();
         signed.iter().all(is_finite)

@@ -83,17 +83,21 @@ impl SurfaceMotion {
         self.lasts > timing.tracking
     }
 
-    /// Learns from a period in contact: F and F_d, N, how F swings, and what is known of a held contact.
+    /// Learns from a period in contact: F and F_d, N, how F swings, and what is known of a held contact. `is_read`: the reading changes;
+    /// the velocity of a held contact stays otherwise.
     pub(super) fn learn(
         &mut self,
         terms: (&ContactSettings, &ContactTiming),
         forces: [f64; 2],
         (swing, held): (&Swing, Option<Held>),
+        is_read: bool,
     ) {
         let [way, change] = [self.tool[1] - self.stiffness.mean_position, forces[0] - self.stiffness.mean_force];
         self.stiffness.learn(terms, (self.tool[1], forces[0]), held);
         if held.is_some() {
-            self.follow(terms, forces, swing);
+            if is_read {
+                self.follow(terms, forces, swing);
+            }
         } else {
             let velocity = self.coming(terms, [way, change]);
             *self = Self { tool: self.tool, stiffness: self.stiffness, velocity, ..Self::NONE };
@@ -249,7 +253,7 @@ mod tests {
             motion.advance(0.0, [tool * timing.period, timing.period]);
             depth += (tool - surface) * timing.period;
             let held = Held { surface_velocity: motion.velocity, target_has_changed: false };
-            motion.learn((&settings, &timing), [STIFFNESS * depth, TARGET], (&Swing::NONE, Some(held)));
+            motion.learn((&settings, &timing), [STIFFNESS * depth, TARGET], (&Swing::NONE, Some(held)), true);
             largest = largest.max(motion.velocity.abs());
         }
         (motion, largest)
@@ -298,7 +302,7 @@ mod tests {
         motion.touch(&settings, 10.0);
         for k in 0..100 {
             motion.advance(0.0, [-0.02 * timing.period, timing.period]);
-            motion.learn((&settings, &timing), [10.0 + f64::from(k), TARGET], (&Swing::NONE, None));
+            motion.learn((&settings, &timing), [10.0 + f64::from(k), TARGET], (&Swing::NONE, None), true);
         }
         assert!(motion.velocity < -0.015 && motion.velocity >= -0.02, "{motion:?}");
     }

@@ -60,6 +60,9 @@ const LOST_DEPTH: f64 = 1e-4;
 /// its axes are wrong, or its bias exceeds the target.
 const LONGEST_PUSH: f64 = 0.1;
 
+/// Share of the softest stiffness by which a force falls at least while the tool retreats from a surface.
+const FALLS: f64 = 0.5;
+
 /// Noise of a force that is compared with another one, in units of σ.
 const DIFFERENCE: f64 = 6.0;
 
@@ -80,7 +83,8 @@ const TANK_SHARE: f64 = 1.2;
 pub struct AxisInput {
     /// F, measured force of the tool on the environment, N.
     pub force: f64,
-    /// The force that `max_force` limits, N: F, or |f| in all directions on a surface whose normal is only estimated.
+    /// The force that `max_force` limits, N: F, or |f| in all directions on a surface whose normal is only estimated; in an approach with
+    /// what no axis presses.
     pub limited_force: f64,
     /// F_d, target force, N, positive.
     pub target: f64,
@@ -172,7 +176,7 @@ impl Step<'_> {
     fn find_faults(&mut self) {
         let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
         if self.input.last_velocity >= 0.0 {
-            axis.before_retreat = axis.sensed_position;
+            (axis.before_retreat, axis.force_before_retreat) = (axis.sensed_position, force);
         }
         if matches!(axis.phase, ContactPhase::Fault(_)) {
             return;
@@ -180,10 +184,13 @@ impl Step<'_> {
         let retreat = axis.before_retreat - axis.sensed_position;
         let stays = axis.phase == ContactPhase::Contact
             && force > settings.threshold()
-            && retreat > LONGEST_PUSH * settings.metre;
+            && retreat > LONGEST_PUSH * settings.metre
+            && axis.force_before_retreat - force < FALLS * settings.softest * retreat;
         axis.unchanged.add(settings, (force, axis.position), self.timing.period);
-        let is_near = (force - self.input.target).abs() < near(settings, self.input.target);
-        let sticks = axis.phase == ContactPhase::Contact && axis.unchanged.is_stuck(settings, axis.position, is_near);
+        let near = near(settings, self.input.target);
+        let is_near = (force - self.input.target).abs() < near;
+        let sticks = axis.phase == ContactPhase::Contact
+            && axis.unchanged.is_stuck(settings, axis.position, (is_near, near), axis.estimate.best());
         let (cause, place) = if self.input.limited_force > settings.max_force {
             (FaultCause::ForceLimit, axis.position)
         } else if force < -(settings.threshold() + PULL * settings.noise) {
@@ -275,7 +282,9 @@ impl Step<'_> {
         if axis.estimate.slope <= 0.0 || axis.position > axis.surface {
             axis.surface = axis.sensed_position - forces[0] / axis.estimate.best();
         }
-        axis.motion.learn(terms, forces, (&axis.swing, held));
+        // A reading that does not change says nothing about the surface.
+        let is_read = axis.unchanged.time <= self.timing.tracking;
+        axis.motion.learn(terms, forces, (&axis.swing, held), is_read);
         axis.swing.update(terms, forces[0] - forces[1], forces[1]);
     }
 

@@ -12,6 +12,12 @@ const AWAY: (f64, f64) = (0.1, 1e-3);
 /// The same near the target, where a surface may move along with the tool: then only noise tells the sensor from one that sticks.
 const NEAR: (f64, f64) = (1.0, 1e-2);
 
+/// Rms change of a reading that shows noise, in units of σ: such a reading never stays the same.
+const NOISY: f64 = 0.2;
+
+/// Share of a new change in that mean, and the periods without a change that count.
+const MEMORY: (f64, f64) = (0.3, 3.0);
+
 /// The stretch of periods with the same reading.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unchanged {
@@ -21,21 +27,37 @@ pub struct Unchanged {
     pub position: f64,
     /// Its length, s.
     pub time: f64,
+    /// Rms change of the readings before it, N.
+    pub change: f64,
 }
 
 impl Unchanged {
     /// Adds a reading (N) at a position (m) after a time (s).
     pub(super) fn add(&mut self, settings: &ContactSettings, (force, position): (f64, f64), time: f64) {
-        if (force - self.force).abs() > SAME * settings.noise {
-            *self = Self { force, position, time: 0.0 };
-        } else {
+        let change = force - self.force;
+        let is_same = change.abs() <= SAME * settings.noise;
+        if !is_same || self.time < MEMORY.1 * time {
+            self.change = ((1.0 - MEMORY.0).sqrt() * self.change).hypot(MEMORY.0.sqrt() * change);
+        }
+        if is_same {
             self.time += time;
+        } else {
+            *self = Self { force, position, time: 0.0, change: self.change };
         }
     }
 
-    /// Returns whether no surface gives such a reading, at a position of the tool (m); `is_near`: the force is near its target.
-    pub(super) fn is_stuck(&self, settings: &ContactSettings, position: f64, is_near: bool) -> bool {
+    /// Returns whether no surface gives such a reading, at a position of the tool (m). `is_near`: the force is near its target; `near`: how
+    /// much of it that is, N; `stiffness`: the best known one, N/m.
+    pub(super) fn is_stuck(
+        &self,
+        settings: &ContactSettings,
+        position: f64,
+        (is_near, near): (bool, f64),
+        stiffness: f64,
+    ) -> bool {
         let (time, way) = if is_near { NEAR } else { AWAY };
-        self.time > time && (position - self.position).abs() > way * settings.metre
+        let moved = (position - self.position).abs();
+        let is_noisy = self.change > NOISY * settings.noise;
+        self.time > time && moved > way * settings.metre || is_noisy && self.time > AWAY.0 && stiffness * moved > near
     }
 }

@@ -42,6 +42,8 @@ pub struct PressingAxis {
     pub normal: Option<NormalReport>,
     /// The tip that presses on the surface whose normal the axis follows.
     pub followed_tip: Option<usize>,
+    /// The tip whose force the axis presses with; `None`: it is an axis of rotation.
+    pushing_tip: Option<usize>,
 }
 
 impl Contacts {
@@ -65,6 +67,10 @@ impl Contacts {
             memory: ContactAxis::START,
             normal: None,
             followed_tip: None,
+            pushing_tip: config.tasks[task]
+                .rows
+                .tip(&config.robot)
+                .filter(|_| config.tasks[task].rows.is_angular(row, &config.robot) == Some(false)),
         };
         let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
         Self { axes: rows.map(axis).collect(), retreat: None }
@@ -73,6 +79,11 @@ impl Contacts {
     /// Returns the axes.
     pub fn axes(&self) -> &[PressingAxis] {
         &self.axes
+    }
+
+    /// Returns the task of the highest index that retreats from a fault by force; the tasks before it are released.
+    pub fn retreat(&self) -> Option<usize> {
+        self.retreat
     }
 
     /// Starts a period: the axes continue from the memory, and from what the arm did while states were missing.
@@ -107,7 +118,13 @@ impl Contacts {
         (velocity, reports): (&mut TaskVector, &mut Vec<ContactReport>),
     ) {
         reports.clear();
-        for axis in self.axes.iter_mut().filter(|axis| axis.task == k) {
+        for index in 0..self.axes.len() {
+            if self.axes[index].task != k {
+                continue;
+            }
+            let limit = law.axes()[self.axes[index].row].max_force;
+            let beside = if limit < f64::INFINITY { self.force_beside(index, config, arm) } else { 0.0 };
+            let axis = &mut self.axes[index];
             let row = axis.row;
             let acceleration = CONTACT_SHARE * bounds.row_acceleration((k, row), (config, &arm.capability), tasks);
             axis.target = law.pressing_force(row, force[row].unwrap_or_default());
@@ -115,7 +132,7 @@ impl Contacts {
             let pressed = axis.direction * state.force[row];
             let input = AxisInput {
                 force: pressed,
-                limited_force: axis.followed_tip.map_or(pressed, |tip| arm.force(tip).norm()),
+                limited_force: axis.followed_tip.map_or(pressed.max(0.0).hypot(beside), |tip| arm.force(tip).norm()),
                 target: axis.target,
                 moved: [axis.along(&arm.moved, config, tasks), config.period_s + arm.missed_time],
                 to_rest: axis.along(&arm.distance_to_rest, config, tasks),
@@ -130,6 +147,17 @@ impl Contacts {
                 self.retreat = Some(k);
             }
         }
+    }
+
+    /// Returns the force that none of these axes presses with, N, for an axis that approaches; 0 for others. A sensor whose axes are swapped
+    /// reads the surface there.
+    fn force_beside(&self, index: usize, config: &ControllerConfig, arm: &ArmState) -> f64 {
+        let axis = &self.axes[index];
+        let Some(tip) = axis.pushing_tip.filter(|_| axis.memory.phase == ContactPhase::Approach) else { return 0.0 };
+        let pressing = self.axes.iter().filter(|other| other.pushing_tip == Some(tip));
+        let pressed =
+            pressing.filter_map(|other| Some(config.tasks[other.task].rows.force(arm.measured())?[other.row]));
+        (arm.force(tip).norm_squared() - pressed.map(|force| force * force).sum::<f64>()).max(0.0).sqrt()
     }
 
     /// Slows the tasks down that turn with a surface whose normal is not known yet.
