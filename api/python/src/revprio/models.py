@@ -235,7 +235,8 @@ __all__ = [
 
 
 class ActiveInequality(Answer):
-    """An active inequality: it holds with equality and restricts the answer.
+    """An active inequality: it restricts the answer. It holds with equality, or as nearly as the others permit if it is
+    among the violated ones.
 
     Fields:
 
@@ -2047,6 +2048,7 @@ class ContactMemory(Body):
     - followed: Position and force as they are followed while the contact is held, their rates, what was not
       foreseen of them in the last period, and their noise; absent without a held contact, and in older memories.
       Shape: 8.
+    - force_before_retreat: Force when the tool last moved forward, N or N·m; default 0.
     - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
       the contact is lost.
     - mean_target_force: Mean of the target force; default 0.
@@ -2054,6 +2056,7 @@ class ContactMemory(Body):
       then a motion of the surface is noticed from the next touch on.
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
       period.
+    - reading_change: Rms change of the readings before that, N or N·m; default 0: the reading has shown no noise.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
       default zeros.
     """
@@ -2099,6 +2102,8 @@ class ContactMemory(Body):
     followed: Vector | None = None
     """Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in
     the last period, and their noise; absent without a held contact, and in older memories. Shape: 8."""
+    force_before_retreat: float | None = None
+    """Force when the tool last moved forward, N or N·m; default 0."""
     lack: float | None = None
     """Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound the contact
     is lost."""
@@ -2109,6 +2114,8 @@ class ContactMemory(Body):
     motion of the surface is noticed from the next touch on."""
     normal: NormalMemory | None = None
     """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
+    reading_change: float | None = None
+    """Rms change of the readings before that, N or N·m; default 0: the reading has shown no noise."""
     unchanged: Vector | None = None
     """The reading that does not change, the position where it was read first, and the time since then, s; default
     zeros."""
