@@ -50,6 +50,38 @@ fn the_closed_form_lists_violated_inequalities() {
     assert!(broken["value"].as_f64().unwrap() > broken["bound"].as_f64().unwrap());
 }
 
+/// A joint that moves at 1.5 rad/s cannot obey a bound of 0.2 rad/s at once.
+#[test]
+fn an_inequality_that_is_not_kept_is_not_called_at_its_bound() {
+    let service = Service::start();
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [1.5]}});
+    let tasks = json!([{"name": "go", "jacobian": [[1, 0, 0, 0, 0, 0, 0]], "law": law}]);
+    let mut controller = json!({"robot": "panda", "period_s": 0.008, "why": true, "tasks": tasks});
+    let session = service.open(&controller);
+    let mut joints = [0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let (mut was_broken, mut was_kept) = (false, false);
+    for sequence in 0..60 {
+        if sequence == 30 {
+            controller["inequalities"] =
+                json!([{"kind": "joints", "name": "slow", "coefficients": [1, 0, 0, 0, 0, 0, 0], "upper": 0.2}]);
+            let json = [("content-type", "application/json")];
+            service.send("PUT", &session, &json, &controller.to_string()).accepted();
+        }
+        let state = json!({"sequence": sequence, "time_s": 0.008 * f64::from(sequence), "joint_position": joints});
+        let answer = service.call(&format!("{session}/step"), &state);
+        for (q, u) in joints.iter_mut().zip(numbers(&answer["joint_velocity"])) {
+            *q += 0.008 * u;
+        }
+        let why = answer["why"].to_string();
+        let is_broken = names(&answer["violated_inequalities"]).contains(&"slow");
+        let is_active = names(&answer["active_inequalities"]).contains(&"slow");
+        assert_eq!(why.contains("`slow` is not kept"), is_broken, "{answer}");
+        assert_eq!(why.contains("`slow` is at its bound"), is_active && !is_broken, "{answer}");
+        (was_broken, was_kept) = (was_broken || is_broken && is_active, was_kept || is_active && !is_broken);
+    }
+    assert!(was_broken && was_kept);
+}
+
 #[test]
 fn an_active_inequality_is_remembered_in_sessions_and_stateless_steps() {
     let service = Service::start();

@@ -234,6 +234,22 @@ fn braking_slows_down_a_distant_pose_and_the_bare_gain_does_not() {
     assert!(gentle > 0.0 && gentle < 0.25 && braked > gentle && braked < 2.0, "{gentle} {braked}");
 }
 
+/// A small arm on a rail of 4 m. Its linear rows have the size one, whatever the arm is like.
+const SLIDING: &str = r#"<robot name="sliding"><link name="base"/><link name="car"/><link name="arm"/><link name="tool"/>
+    <joint name="slide" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="1 0 0"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+    <joint name="turn" type="revolute"><parent link="car"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+    <joint name="hand" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.05 0 0"/></joint></robot>"#;
+
+#[test]
+fn no_length_is_advised_where_joints_slide() {
+    let service = Service::start();
+    service.post("/v1/robots", &registration("sliding", SLIDING).to_string()).accepted();
+    let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": [0.01]}});
+    let tasks = json!([{"name": "pull", "axes": ["y"], "law": law}]);
+    let controller = json!({"robot": "sliding", "period_s": 0.01, "limits": "none", "tasks": tasks});
+    assert_eq!(warnings(&service, &controller), [""; 0]);
+}
+
 #[test]
 fn the_length_that_suits_a_small_arm_is_named_and_accepted() {
     let service = Service::start();

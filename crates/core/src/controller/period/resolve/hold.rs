@@ -27,10 +27,11 @@ impl Holding<'_> {
         hold.shorten(self.pressing_time(command, tasks), config.period_s);
     }
 
-    /// Returns the time after which a command has added its target to a force, or S if that is more, s; infinite without a tool that presses
-    /// or approaches.
+    /// Returns the time after which a command has added its target to a force, or max(2 T, 10 ms) if that is more, s; infinite without a tool
+    /// that presses or approaches. A loop whose answers take up to a period does not brake between two of them.
     fn pressing_time(self, command: &[f64], tasks: &TaskStack) -> f64 {
         let Self { config, contacts, .. } = self;
+        let shortest = spare_time(2.0 * config.period_s);
         let times = contacts.axes().iter().filter_map(|axis| {
             let law = config.tasks[axis.task].law.contact()?;
             let upper = axis.memory.estimate.upper;
@@ -38,7 +39,7 @@ impl Holding<'_> {
             let stiffness = if is_known { upper } else { law.axes()[axis.row].stiffest };
             // A tool that follows a surface presses no harder.
             let speed = axis.along(command, config, tasks) - axis.memory.motion.velocity.max(0.0);
-            (speed > 0.0).then(|| (axis.target / (stiffness * speed)).max(spare_time(config.period_s)))
+            (speed > 0.0).then(|| (axis.target / (stiffness * speed)).max(shortest))
         });
         times.fold(f64::INFINITY, f64::min)
     }
