@@ -42,6 +42,26 @@ fn a_stiffer_layer_below_a_soft_one_is_pressed() {
 }
 
 #[test]
+#[ignore = "asserts nothing; prints what docs/contact.md says about pads that bottom out"]
+fn table_of_pads() {
+    for (soft, depth, stiff) in [(1e3, 5e-3, 1e6), (3e3, 5e-3, 3e5), (5e3, 3e-3, 1e6), (1e3, 5e-3, 1e4)] {
+        for speed in [0.03, 0.01, 0.001] {
+            let terms = Conditions { hold: 10.0, ..Conditions::new(soft, speed, (0.01, 1, 0.002)) };
+            let terms = Conditions { event: Event::Layer(soft * depth, stiff / soft), ..terms };
+            let end = terms.duration();
+            let (mut peak, mut last) = (0.0_f64, [f64::INFINITY, 0.0_f64]);
+            run(&terms, &mut Pressing::new(&terms), |[time, force, ..]| {
+                peak = peak.max(force);
+                if time > end - 2.0 {
+                    last = [last[0].min(force), last[1].max(force)];
+                }
+            });
+            println!("| {soft} | {} | {stiff} | {speed} | {peak:.0} | {:.0} … {:.0} |", 1e3 * depth, last[0], last[1]);
+        }
+    }
+}
+
+#[test]
 fn a_wall_that_pushes_is_pressed_again_within_0_6_seconds() {
     for stiffness in [1e3, 1e4, 1e5, 1e6] {
         let way = 0.002_f64.min(90.0 / stiffness);
