@@ -2296,7 +2296,8 @@ class ContactLaw(Tagged):
     - max_acceleration: Largest acceleration along the axis, m/s² and rad/s². The joints may permit less; default 5
       m/s² and 50 rad/s².
     - max_force: Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other
-      tasks, and after the limits of the joints; default: none.
+      tasks, and after the limits of the joints. In an approach, the force that no axis of a contact presses counts
+      too. Default: none.
     - noise: Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m.
     - retreat_speed: Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.
     - sensor_lag_s: Time constant of the filter of the force sensor, s; at most 1; default 0.002.
@@ -2324,7 +2325,8 @@ class ContactLaw(Tagged):
     rad/s²."""
     max_force: ArrayLike | None = None
     """Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and
-    after the limits of the joints; default: none."""
+    after the limits of the joints. In an approach, the force that no axis of a contact presses counts too. Default:
+    none."""
     noise: ArrayLike | None = None
     """Noise of the measured force, rms, N and N·m; at most 10 N and 1 N·m; default 0.2 N and 0.02 N·m."""
     retreat_speed: ArrayLike | None = None
@@ -4782,7 +4784,7 @@ class StepAnswer(Answer):
     - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
       joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period,
       if a joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver`
-      is not `closed_form`.
+      is not `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too.
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
@@ -4829,7 +4831,7 @@ class StepAnswer(Answer):
     """Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
     `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period, if a joint
     would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not
-    `closed_form`."""
+    `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too."""
     violated_limits: list[ViolatedLimit]
     """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
     contain."""

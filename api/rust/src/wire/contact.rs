@@ -28,7 +28,7 @@ pub enum ContactFault {
     /// The force exceeds `max_force`.
     ForceLimit,
     /// The reading has stayed the same while the tool moved: away from the target for 0.1 s and 1 mm or 10 mrad, near it for 1 s and 10 mm
-    /// or 0.1 rad. The sensor sticks or is saturated. Check its connection and its range.
+    /// or 0.1 rad; or, if it has shown noise before, for 0.1 s and a way that would have changed it. The sensor sticks or is saturated. Check its connection and its range.
     Stuck,
 }
 

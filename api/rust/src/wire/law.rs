@@ -111,7 +111,7 @@ pub enum Law {
         #[serde(skip_serializing_if = "Option::is_none")]
         sensor_lag_s: Option<f64>,
         /// Force above which the tool retreats and stays away, N and N·m. The retreat comes before all other tasks, and after the limits
-        /// of the joints; default: none.
+        /// of the joints. In an approach, the force that no axis of a contact presses counts too. Default: none.
         #[serde(skip_serializing_if = "Option::is_none")]
         max_force: Option<PerAxis<f64>>,
         /// Largest speed at which the tool retreats, m/s and rad/s; default 0.25 m/s and 2.5 rad/s.

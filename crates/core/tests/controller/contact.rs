@@ -170,15 +170,20 @@ fn slow_joints_only_delay_the_contact() {
     assert!((world.force[2] + 30.0).abs() < 0.1 && world.peak[2] < 36.0, "{:?} {:?}", world.force, world.peak);
 }
 
+/// A wall that lets the force exceed the limit of [`pressing_below_a_pose`].
+const TOO_STIFF: [(usize, f64, f64, f64); 1] = [(2, -0.001, -1.0, 5e4)];
+
+/// The pose above keeps z where it is; only a fault by force lets it go.
+fn pressing_below_a_pose(robot: &Arc<RobotModel>) -> Controller {
+    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
+    let tasks = vec![task(&Axis::ALL, position(6, 3.0)), task(&[Axis::Z], contact(&[-30.0], settings))];
+    pressing(robot, tasks)
+}
+
 #[test]
 fn a_force_above_its_limit_overrules_higher_tasks() {
     let robot = sawyer();
-    // The pose above keeps z where it is; only the fault lets it go.
-    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
-    let all = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
-    let tasks = vec![task(&all, position(6, 3.0)), task(&[Axis::Z], contact(&[-30.0], settings))];
-    let walls = [(2, -0.001, -1.0, 5e4)];
-    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    let mut world = World::new(&robot, &NOMINAL, pressing_below_a_pose(&robot), &TOO_STIFF);
     world.run(0.5, 1);
     assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)]);
     let walls_reached = world.peak[2];
@@ -198,11 +203,7 @@ fn a_force_above_its_limit_overrules_higher_tasks() {
 #[test]
 fn tasks_that_a_retreat_has_released_report_how_they_move() {
     let robot = sawyer();
-    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
-    let all = [Axis::X, Axis::Y, Axis::Z, Axis::Rx, Axis::Ry, Axis::Rz];
-    let tasks = vec![task(&all, position(6, 3.0)), task(&[Axis::Z], contact(&[-30.0], settings))];
-    let walls = [(2, -0.001, -1.0, 5e4)];
-    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    let mut world = World::new(&robot, &NOMINAL, pressing_below_a_pose(&robot), &TOO_STIFF);
     let mut fastest = 0.0_f64;
     for _ in 0..250 {
         world.update_force();
@@ -262,7 +263,7 @@ fn a_force_beside_the_axis_counts_for_the_limit_of_an_approach() {
 
 /// The service falls silent in any period of the touch. The watchdog holds the last command while it is valid.
 #[test]
-fn a_silence_at_the_touch_costs_as_much_as_the_target() {
+fn a_silence_at_the_touch_costs_the_way_of_its_hold_and_of_the_drive() {
     let robot = sawyer();
     for (stiffest, speed) in [(1e6, None), (1e5, None), (1e5, Some(0.03))] {
         let settings = ContactSettings { approach_speed: speed, stiffest, ..ContactSettings::default() };
