@@ -6,6 +6,7 @@ for example that of `tests/scale/slurm`.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from pathlib import Path
 SWEEP = ["stiff_wall", "--vary", "environment.stiffness=log:1e3..1e5:6", "--vary", "loop.lag_s=0,0.002,0.005"]
 SHARDS = 3
 TABLE = "sweep-stiff_wall.parquet"
-PATIENCE_S = 300.0
+PATIENCE_S = 300.0  # without progress
 
 
 def check(holds: bool, message: str) -> None:
@@ -26,11 +27,23 @@ def check(holds: bool, message: str) -> None:
         sys.exit(f"sweep: {message}")
 
 
-def wait_for(what: str, is_so: Callable[[], object]) -> None:
-    end_s = time.monotonic() + PATIENCE_S
+def wait_for(what: str, out: Path, is_so: Callable[[], object]) -> None:
+    """Waits as long as files below `out` are written: a busy machine is slow, and no error."""
+    seen, end_s = 0, 0.0
     while not is_so():
+        if seen != (written := bytes_below(out)):
+            seen, end_s = written, time.monotonic() + PATIENCE_S
         check(time.monotonic() < end_s, f"{what} did not happen")
         time.sleep(0.01)
+
+
+def bytes_below(out: Path) -> int:
+    """Returns the size of all files, plus one. Files may vanish meanwhile."""
+    size = 1
+    for path in out.rglob("*"):
+        with contextlib.suppress(FileNotFoundError):
+            size += path.stat().st_size
+    return size
 
 
 def processes_of(shard: str) -> list[int]:
@@ -59,10 +72,10 @@ def with_ray(scripts: Path, program: str, out: Path) -> None:
     arguments = ["--shards", str(SHARDS), "--out", out, "--program", program, "--", *SWEEP]
     run = subprocess.Popen([sys.executable, scripts / "sweep_ray.py", *arguments])
     directory = out / "shards" / f"2-of-{SHARDS}"
-    wait_for("the first cell", lambda: has_rows(directory / f"sweep-stiff_wall.2-of-{SHARDS}.partial"))
+    wait_for("the first cell", out, lambda: has_rows(directory / f"sweep-stiff_wall.2-of-{SHARDS}.partial"))
     (process,) = processes_of(f"2/{SHARDS}")
     os.kill(parent(process), signal.SIGKILL)
-    wait_for("the end of the sweep", lambda: run.poll() is not None)
+    wait_for("the end of the sweep", out, lambda: run.poll() is not None)
     check(run.returncode == 0, "the script failed")
     check("already completed" in (directory / "log").read_text(), "the killed shard did not continue")
 
@@ -81,9 +94,9 @@ def with_slurm(scripts: Path, program: str, out: Path) -> None:
     job = slurm(*submit, f"--array=1-{SHARDS}", "--output", log, scripts / "sweep.slurm", *SWEEP)
     merge = '"$REVPRIO" sweep --out "$OUT" --merge "$OUT"/shards/*.parquet'
     slurm(*submit, f"--dependency=afterok:{job}", "--output", f"{out}/merge.log", "--wrap", merge)
-    wait_for("the first cell", lambda: has_rows(shards / f"sweep-stiff_wall.2-of-{SHARDS}.partial"))
+    wait_for("the first cell", out, lambda: has_rows(shards / f"sweep-stiff_wall.2-of-{SHARDS}.partial"))
     slurm("scontrol", "requeue", f"{job}_2")
-    wait_for("the end of the jobs", lambda: not slurm("squeue", "--noheader"))
+    wait_for("the end of the jobs", out, lambda: not slurm("squeue", "--noheader"))
     logs = "".join(path.read_text() for path in sorted(out.glob("*.log")))
     check((out / TABLE).exists(), f"the merge failed: {logs}")
     said = (out / "revprio-sweep-2.log").read_text()
