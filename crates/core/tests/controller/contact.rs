@@ -225,6 +225,33 @@ fn tasks_that_a_retreat_has_released_report_how_they_move() {
     assert!(fastest > 0.01, "the tool retreats at {fastest} m/s");
 }
 
+/// The retreat of a lower task may push a released tool, whose force nobody controls then.
+#[test]
+fn an_answer_is_valid_for_a_short_time_while_a_contact_is_released() {
+    let robot = sawyer();
+    let settings = ContactSettings { approach_speed: Some(0.03), max_force: 40.0, ..ContactSettings::default() };
+    let tasks = vec![
+        task(&[Axis::X], contact(&[20.0], ContactSettings::default())),
+        task(&[Axis::Z], contact(&[-30.0], settings)),
+    ];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &TOO_STIFF);
+    let mut retreats = 0;
+    for _ in 0..250 {
+        world.update_force();
+        let mut measured = world.arm.measure(world.time);
+        measured.wrench[2] = world.force[2];
+        let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+        if matches!(command.targets[1].contact[0].phase, ContactPhase::Fault(_)) {
+            assert_eq!(command.hold.valid_for_ms(100), 10);
+            retreats += 1;
+        }
+        let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+        world.arm.follow(&velocity, PERIOD);
+        world.time += PERIOD;
+    }
+    assert!(retreats > 100, "{retreats}");
+}
+
 /// So a turned tool whose readings are stated in the axes of the base reads a wall below it sideways.
 #[test]
 fn a_force_beside_the_axis_counts_for_the_limit_of_an_approach() {

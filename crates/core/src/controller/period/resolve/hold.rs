@@ -28,12 +28,17 @@ impl Holding<'_> {
     }
 
     /// Returns the time after which a command has added its target to a force, or max(2 T, 10 ms) if that is more, s; infinite without a tool
-    /// that presses or approaches. A loop whose answers take up to a period does not brake between two of them.
+    /// that presses or approaches, that least time while a tool may be pushed by the retreat of a lower task. A loop whose answers take up to
+    /// a period does not brake between two of them.
     fn pressing_time(self, command: &[f64], tasks: &TaskStack) -> f64 {
         let Self { config, contacts, .. } = self;
         let shortest = spare_time(2.0 * config.period_s);
         let times = contacts.axes().iter().filter_map(|axis| {
             let law = config.tasks[axis.task].law.contact()?;
+            if contacts.retreat().is_some_and(|retreat| axis.task < retreat) {
+                // A released task has no rows in this problem.
+                return Some(shortest);
+            }
             let upper = axis.memory.estimate.upper;
             let is_known = axis.memory.phase != ContactPhase::Approach && upper > 0.0;
             let stiffness = if is_known { upper } else { law.axes()[axis.row].stiffest };
