@@ -165,10 +165,12 @@ class Arm:
         assert self.event_index is not None
         speeds = np.abs(self.commands)
         assert not speeds[-1].any()
-        # Command k was computed after command k - 1 was computed, and before command k was written.
+        # Command k was computed after command k - 2 was written, and before command k was written. The first command of
+        # the ramp is that of a period later, however short the period before was.
         for k in range(self.event_index + 1, len(speeds)):
+            elapsed_s = max(self.times[k] - self.times[k - 2], SLOW.period_s)
             assert (speeds[k] <= speeds[k - 1] + 1e-12).all()
-            assert (speeds[k - 1] - speeds[k] <= limits * (self.times[k] - self.times[k - 2]) + 1e-12).all()
+            assert (speeds[k - 1] - speeds[k] <= limits * elapsed_s + 1e-12).all()
 
 
 class StopLoopError(Exception):
