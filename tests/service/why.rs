@@ -214,3 +214,31 @@ fn sessions_and_stateless_steps_give_the_same_sentences() {
     assert_eq!(service.send("PUT", &address, &headers, &controller.to_string()).status, 200);
     assert!(service.call(&format!("{address}/step"), &state).get("why").is_none());
 }
+
+/// More rows than joints: a posture below is what the guides advise.
+#[test]
+fn a_retreat_tells_which_tasks_it_has_released() {
+    let service = Service::start();
+    let law = json!({"kind": "contact", "target_force": {"kind": "constant", "value": 10}, "max_force": 40});
+    let rest = json!({"kind": "constant", "value": [0.3, 0.5, 0.4]});
+    let posture = json!({"kind": "posture", "gain": 1, "target_position": rest});
+    let tasks = json!([
+        {"name": "hold", "axes": ["y"], "law": {"kind": "pose", "gain": 2}},
+        {"name": "press", "axes": ["x"], "law": law},
+        {"name": "rest", "law": posture},
+    ]);
+    let address = service.open(&json!({"robot": "planar_3r", "period_s": 0.01, "why": true, "tasks": tasks}));
+    for sequence in 0..3 {
+        let state = json!({
+            "sequence": sequence, "time_s": 0.01 * f64::from(sequence), "joint_position": [0.3, 0.5, 0.4],
+            "joint_velocity": [0, 0, 0], "wrench": {"force": [80, 0, 0], "torque": [0, 0, 0]},
+        });
+        let answer = service.call(&format!("{address}/step"), &state);
+        let told = sentences(&answer);
+        let released = "task `hold` asks for nothing, because task `press` has given its contact up";
+        assert!(told.contains(&released), "{told:?}");
+        assert!(told.contains(&"task `press` has given its contact up: 80 of 10 N"), "{told:?}");
+        assert!(answer["singularity"]["smallest_singular_value"].as_f64().unwrap() > 0.1, "{answer}");
+        assert!(answer["tasks"][1]["achieved"][0].as_f64().unwrap() < 0.0, "{answer}");
+    }
+}

@@ -72,6 +72,8 @@ pub struct NamedTask<'a> {
     pub is_posture: bool,
     /// The axes of a law `contact`.
     pub contacts: &'a [ContactReport],
+    /// The task whose retreat releases it; `None`: none does.
+    pub released_by: Option<&'a str>,
 }
 
 /// A resolution with the names and limits of its sentences.
@@ -113,6 +115,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         units: (0..target.velocity.len()).map(|row| unit(task, row)).collect(),
         is_posture: task.law.follows_position() && !task.rows.joints().is_empty(),
         contacts: &target.contact,
+        released_by: target.released_by.map(|task| config.tasks[task].name.as_str()),
     });
     let includes_position = matches!(config.limits, Limits::Robot(kind) if kind.includes_position());
     let explained = Explained {
@@ -140,11 +143,38 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
 }
 
 impl Explained<'_> {
-    /// Returns what restricts the answer, then what each task gives up.
+    /// Returns what restricts the answer, then what the contacts miss and what each task gives up.
     pub fn sentences(&self) -> Vec<String> {
+        let outcomes = self.tasks.iter().zip(&self.resolution.tasks);
+        let losses: Vec<String> = outcomes.filter_map(|(task, outcome)| loss(task, outcome)).collect();
+        let (mut sentences, contacts) = (self.restrictions(), self.contacts());
+        let gives_up_posture_alone = !losses.is_empty() && self.gives_up_posture_alone();
+        if losses.is_empty() || gives_up_posture_alone {
+            if contacts.is_empty() {
+                let which = if gives_up_posture_alone { "every task above" } else { "every task" };
+                let only = if sentences.is_empty() && losses.is_empty() { "no limit is active; " } else { "" };
+                sentences.push(format!("{only}{which} is achieved"));
+            }
+            sentences.extend(contacts);
+            sentences.extend(losses.iter().map(|loss| format!("{loss}, since it has the motion that is left")));
+            return sentences;
+        }
+        if !self.names_a_pair() {
+            // An answer that was made continuous may lie beside the bounds of the rows that hold it back.
+            add_once(&mut sentences, self.inequalities.of_distances().filter_map(near));
+        }
+        sentences.extend(self.singularities());
+        if sentences.is_empty() {
+            sentences.push("the tasks are in conflict".to_owned());
+        }
+        sentences.extend(contacts);
+        sentences.extend(losses);
+        sentences
+    }
+
+    /// Returns which limits, inequalities and links restrict the answer.
+    fn restrictions(&self) -> Vec<String> {
         let resolution = self.resolution;
-        let losses: Vec<String> =
-            self.tasks.iter().zip(&resolution.tasks).filter_map(|(task, outcome)| loss(task, outcome)).collect();
         let mut sentences: Vec<String> = self.solver().into_iter().collect();
         let limits = resolution.active_limits().zip(&self.causes);
         sentences.extend(limits.map(|((joint, active), cause)| self.limit(joint, active, *cause)));
@@ -166,38 +196,20 @@ impl Explained<'_> {
             let joint = self.joints[index];
             format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))
         }));
-        let missing = self.tasks.iter().flat_map(|task| {
+        sentences
+    }
+
+    /// Returns which tasks a retreat has released, and which contacts miss their force.
+    fn contacts(&self) -> Vec<String> {
+        let released = self.tasks.iter().filter_map(|task| Some((task.name, task.released_by?)));
+        let released = released.map(|(task, faulty)| {
+            format!("task `{task}` asks for nothing, because task `{faulty}` has given its contact up")
+        });
+        let pressing = self.tasks.iter().filter(|task| task.released_by.is_none());
+        let missing = pressing.flat_map(|task| {
             task.contacts.iter().zip(&task.units).filter_map(|(axis, unit)| missing_force(task.name, axis, *unit))
         });
-        let missing: Vec<String> = missing.collect();
-        if losses.is_empty() && !missing.is_empty() {
-            sentences.extend(missing);
-            return sentences;
-        }
-        if losses.is_empty() {
-            let all = if sentences.is_empty() {
-                "no limit is active; every task is achieved"
-            } else {
-                "every task is achieved"
-            };
-            sentences.push(all.to_owned());
-            return sentences;
-        }
-        if self.gives_up_posture_alone() {
-            sentences.push("every task above is achieved".to_owned());
-            sentences.extend(losses.iter().map(|loss| format!("{loss}, since it has the motion that is left")));
-            return sentences;
-        }
-        if !self.names_a_pair() {
-            // An answer that was made continuous may lie beside the bounds of the rows that hold it back.
-            add_once(&mut sentences, self.inequalities.of_distances().filter_map(near));
-        }
-        sentences.extend(self.singularities());
-        if sentences.is_empty() {
-            sentences.push("the tasks are in conflict".to_owned());
-        }
-        sentences.extend(losses);
-        sentences
+        released.chain(missing).collect()
     }
 
     /// Returns whether a sentence says which shapes keep clear of each other.
@@ -378,6 +390,9 @@ fn missing_force(task: &str, axis: &ContactReport, unit: Unit) -> Option<String>
 
 /// Returns what a task gives up, if anything.
 fn loss(task: &NamedTask, outcome: &TaskOutcome) -> Option<String> {
+    if task.released_by.is_some() {
+        return None;
+    }
     if let Some(scale) = outcome.scale.filter(|scale| *scale < 1.0 - MIN_SCALED) {
         let percent = significant(100.0 * scale, 2);
         return Some(format!("task `{}` moves in its direction at {percent} % of its speed", task.name));

@@ -109,13 +109,13 @@ impl SingularValues {
     }
 }
 
-/// Returns σ_min and the product of the singular values of a matrix with at most as many rows as columns; both are 0 without rows.
+/// Returns σ_min and the product of the singular values of a matrix of any shape; both are 0 without rows.
 pub fn smallest_and_product(matrix: &Matrix) -> (f64, f64) {
     let mut singular = SingularValues::default();
     if matrix.nrows() == 0 {
         return (0.0, 0.0);
     }
-    singular.decompose(matrix.ncols(), matrix.transpose().iter().copied());
+    singular.decompose_matrix(matrix);
     (singular.smallest(), singular.product())
 }
 

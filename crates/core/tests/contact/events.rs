@@ -189,6 +189,23 @@ fn a_force_above_its_limit_ends_in_a_retreat() {
     assert!(found.peak < 36.0 && last == 0.0, "{found:?}");
 }
 
+/// A retreat that is slower than its surface would press harder than a contact without a limit, which yields.
+#[test]
+fn a_retreat_from_a_surface_that_comes_is_no_slower_than_a_contact_yields() {
+    for (stiffness, speed) in [(1e4, 0.1), (1e4, 0.2), (3e4, 0.06), (3e4, 0.1), (3e4, 0.2)] {
+        let peak = |max_force: f64, retreat_speed: f64| {
+            let terms = later(stiffness, |t| Event::LeaveAndReturn(t, -speed, 0.04 / speed));
+            let told =
+                ContactSettings { approach_speed: Some(0.03), max_force, retreat_speed, ..ContactSettings::default() };
+            let mut law = Pressing::told(&terms, Drive { lag_s: 0.01, delay_periods: 1 }, told);
+            run(&terms, &mut law, |_| {}).peak_after
+        };
+        let [with, without] = [60.0, f64::INFINITY].map(|max_force| peak(max_force, 0.25));
+        assert!(with < 1.02 * without, "{stiffness} {speed}: {with} N, {without} N without a limit");
+        assert!(peak(60.0, 0.05) >= with, "the stated speed holds");
+    }
+}
+
 #[test]
 fn the_energy_of_losses_and_jumps_stays_below_the_tank_and_its_refill() {
     for stiffness in [1e3, 1e4, 1e5] {

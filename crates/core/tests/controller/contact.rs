@@ -7,12 +7,14 @@ use revprio_core::law::{
     AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law, unavoidable_peak,
 };
 use revprio_core::limits::{Drive, braking_deceleration};
+use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::{StreamedTarget, StreamedValue};
-use revprio_robot::kinematics::{Axis, Configuration};
+use revprio_robot::kinematics::{Axis, AxisSelection, BodyFrame, Configuration, TaskBody, TaskFrame};
 use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{NOMINAL, Random, config, constant, controller, position, sawyer, task};
 use super::drives::LaggingArm;
+use super::two_arms::{HOME, two_pandas};
 
 /// T, s.
 const PERIOD: f64 = 0.002;
@@ -38,14 +40,14 @@ fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
     })
 }
 
-/// Walls that rest: axis of the base, place along the pressing direction from the start, m, direction and stiffness, N/m.
-type Walls<'a> = &'a [(usize, f64, f64, f64)];
+/// A wall: axis of the base, place along the pressing direction from the start, m, direction and stiffness, N/m.
+type Wall = (usize, f64, f64, f64);
 
 /// An arm before walls.
-struct World<'a> {
+struct World {
     arm: LaggingArm,
     robot: Arc<RobotModel>,
-    walls: Walls<'a>,
+    walls: Vec<Wall>,
     start: [f64; 3],
     stepper: Stepper,
     memory: Option<Memory>,
@@ -58,13 +60,13 @@ struct World<'a> {
     targets: Vec<StreamedTarget>,
 }
 
-impl<'a> World<'a> {
-    fn new(robot: &Arc<RobotModel>, q: &[f64], controller: Controller, walls: Walls<'a>) -> Self {
+impl World {
+    fn new(robot: &Arc<RobotModel>, q: &[f64], controller: Controller, walls: &[Wall]) -> Self {
         let start = Configuration::new(robot, q).unwrap().tool_pose().translation.vector.into();
         Self {
             arm: LaggingArm::at_rest(q, DRIVE, 0.0, 1),
             robot: Arc::clone(robot),
-            walls,
+            walls: walls.to_vec(),
             start,
             stepper: Stepper::new(controller).unwrap(),
             memory: None,
@@ -83,7 +85,7 @@ impl<'a> World<'a> {
     fn update_force(&mut self) {
         let at = self.tool().tool_pose().translation.vector;
         self.force = [0.0; 3];
-        for &(axis, place, direction, stiffness) in self.walls {
+        for &(axis, place, direction, stiffness) in &self.walls {
             let depth = direction * (at[axis] - self.start[axis]) - place;
             self.force[axis] += direction * stiffness * depth.max(0.0);
         }
@@ -171,7 +173,7 @@ fn slow_joints_only_delay_the_contact() {
 }
 
 /// A wall that lets the force exceed the limit of [`pressing_below_a_pose`].
-const TOO_STIFF: [(usize, f64, f64, f64); 1] = [(2, -0.001, -1.0, 5e4)];
+const TOO_STIFF: [Wall; 1] = [(2, -0.001, -1.0, 5e4)];
 
 /// The pose above keeps z where it is; only a fault by force lets it go.
 fn pressing_below_a_pose(robot: &Arc<RobotModel>) -> Controller {
@@ -223,6 +225,56 @@ fn tasks_that_a_retreat_has_released_report_how_they_move() {
         world.time += PERIOD;
     }
     assert!(fastest > 0.01, "the tool retreats at {fastest} m/s");
+}
+
+/// A contact that has a fault below another one at rest leaves all the same.
+#[test]
+fn a_fault_below_does_not_keep_a_contact_from_its_own_retreat() {
+    let robot = sawyer();
+    let limit =
+        |max_force: f64| ContactSettings { approach_speed: Some(0.03), max_force, ..ContactSettings::default() };
+    let tasks = vec![task(&[Axis::X], contact(&[20.0], limit(40.0))), task(&[Axis::Z], contact(&[-30.0], limit(40.0)))];
+    let walls = [TOO_STIFF[0], (0, 0.1, 1.0, 5e4)];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+    world.run(1.0, 1);
+    assert_eq!(world.phase[1], ContactPhase::Fault(FaultCause::ForceLimit));
+    // A wall comes from the side, and pushes the tool that is released.
+    let place = world.tool().tool_pose().translation.vector.x - world.start[0];
+    for step in 0..500 {
+        world.walls[1].1 = (place + 0.002 - 2e-5 * f64::from(step)).max(place - 0.003);
+        world.run(PERIOD, 1);
+    }
+    assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit); 2]);
+    assert!(world.force[0].abs() < 1.0 && world.peak[0] < 60.0, "{:?} {:?}", world.force, world.peak);
+}
+
+/// The other arm shares no joint with the tool that retreats.
+#[test]
+fn a_retreat_leaves_the_tasks_of_the_other_arm_alone() {
+    let robot = two_pandas();
+    let settings = ContactSettings { max_force: 40.0, ..ContactSettings::default() };
+    let of = |tip: &str, axes: &[Axis], law: Law| {
+        let body = Some(TaskBody { body: BodyFrame::from(robot.tip(tip).unwrap()), relative_to: None });
+        let rows = ToolRows {
+            frame: TaskFrame { body, ..TaskFrame::default() },
+            ..ToolRows::new(AxisSelection::new(axes).unwrap())
+        };
+        TaskConfig { name: format!("{tip} {axes:?}"), rows: TaskRows::Tool(rows), ..task(axes, law) }
+    };
+    let tasks = vec![
+        of("right", &[Axis::Z], contact(&[-30.0], settings)),
+        of("left", &[Axis::X], position(1, 3.0)),
+        of("left", &[Axis::Z], contact(&[-30.0], settings)),
+    ];
+    let mut world = World::new(&robot, &HOME, pressing(&robot, tasks), &[]);
+    let mut measured = world.arm.measure(0.0);
+    // The left tool, which is the first tip, presses too hard.
+    measured.wrench[2] = -80.0;
+    let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+    let released: Vec<_> = command.targets.iter().map(|target| target.released_by).collect();
+    assert_eq!(released, [None, Some(2), None]);
+    let approach = &command.resolution.tasks[0].achieved;
+    assert!(approach[0] < 0.0 && (approach[0] - command.targets[0].velocity[0]).abs() < 1e-9, "{approach:?}");
 }
 
 /// The retreat of a lower task may push a released tool, whose force nobody controls then.
@@ -337,7 +389,7 @@ fn a_silence_at_the_touch_costs_the_way_of_its_hold_and_of_the_drive() {
 #[test]
 fn a_tool_presses_surely_before_the_contact_is_held_and_never_with_a_bias() {
     let robot = sawyer();
-    let surely = |walls: Walls, bias: f64| {
+    let surely = |walls: &[Wall], bias: f64| {
         let controller = press_down(&robot, ContactSettings::default());
         let config = controller.config().clone();
         let mut world = World::new(&robot, &NOMINAL, controller, walls);
@@ -374,7 +426,7 @@ fn a_contact_and_its_fault_go_on_when_streamed_forces_fail_to_come() {
     world.run(4.0, 1);
     assert_eq!(world.phase, [ContactPhase::Contact]);
     assert!((world.force[2] + 20.0).abs() < 0.1, "{:?}", world.force);
-    world.walls = &raised;
+    world.walls = raised.to_vec();
     world.run(2.0, 1);
     assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)]);
     assert!(world.force[2] == 0.0, "{:?}", world.force);

@@ -25,7 +25,8 @@ const PERIOD: f64 = 4e-3;
 
 const DRIVE: Drive = Drive { lag_s: 0.02, delay_periods: 2 };
 
-const HOME: [f64; 14] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785, 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+pub(super) const HOME: [f64; 14] =
+    [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785, 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
 /// Returns two Pandas, 0.6 m apart, that look in the same direction. Their hands are the tips, the left one first.
 pub(super) fn two_pandas() -> Arc<RobotModel> {

@@ -284,6 +284,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         units: units.clone(),
         is_posture: false,
         contacts: &[],
+        released_by: None,
     });
     let explained = Explained {
         held_by: None,

@@ -62,7 +62,7 @@ impl Period {
         let (arm, known) = measure(config, memory.as_ref(), measurement, arm)?;
         let Wishes { problem, requests } = aim(config, arm, &known, measurement, aiming)?;
         let allowed = allow(config, (arm, &known, &measurement.obstacles), allowed, guard.as_mut());
-        let answer = resolve(config, (arm, &known, requests.contacts), problem, (allowed, guard.as_mut()), resolving)?;
+        let answer = resolve(config, (arm, &known, requests), problem, (allowed, guard.as_mut()), resolving)?;
 
         let in_time = known.is_in_time();
         let memory = match known.into_new() {

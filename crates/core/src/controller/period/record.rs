@@ -147,6 +147,7 @@ fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
         target.velocity.copy_from(&wished.velocity);
         target.force.clone_from(&wished.force);
         target.streamed = wished.streamed;
+        target.released_by = wished.released_by;
         target.contact.clone_from(&wished.contact);
     }
 }

@@ -8,7 +8,7 @@ mod released;
 use self::approach::Approach;
 use self::clear::keep_clear;
 use self::hold::Holding;
-use super::aim::Contacts;
+use super::aim::Requests;
 use super::allow::Allowed;
 use crate::arm_state::ArmState;
 use crate::collision::{CollisionGuard, Moment};
@@ -57,7 +57,7 @@ impl Resolving {
 /// Returns the answer to a problem within what is allowed.
 pub(super) fn resolve<'a>(
     config: &ControllerConfig,
-    (arm, previous, contacts): (&ArmState, &Memory, &Contacts),
+    (arm, previous, requests): (&ArmState, &Memory, Requests),
     problem: &'a mut Problem,
     (allowed, guard): (&'a Allowed, Option<&mut CollisionGuard>),
     Resolving { solver, approach, clear, singular, command }: &'a mut Resolving,
@@ -78,10 +78,10 @@ pub(super) fn resolve<'a>(
         solver.solve(problem, &previous.active_set, &mut command.resolution)?;
         (&allowed.limits, None)
     };
-    let holding = Holding { config, arm, contacts };
+    let holding = Holding { config, arm, requests };
     let Some(guard) = guard else {
         holding.update(&mut command.hold, command.resolution.joint_velocity.as_slice(), &problem.tasks);
-        released::report((config, arm, contacts), problem, &mut command.resolution, singular)?;
+        released::report((config, arm, requests.targets), problem, &mut command.resolution, singular)?;
         return Ok(Answer { problem, command, limits, requested });
     };
     let moment = Moment { arm, drive_state: &previous.drive };
@@ -91,7 +91,7 @@ pub(super) fn resolve<'a>(
         (&mut *problem, &mut **solver, &mut command.resolution),
         (&previous.active_set, holding, &mut command.hold),
     )?;
-    released::report((config, arm, contacts), problem, &mut command.resolution, singular)?;
+    released::report((config, arm, requests.targets), problem, &mut command.resolution, singular)?;
     command.collisions.get_or_insert_default().copy_from(guard.report());
     Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
 }

@@ -15,4 +15,6 @@ pub struct TaskTarget {
     pub streamed: Option<TargetReport>,
     /// The contact of each row; empty for other laws than the contact law.
     pub contact: Vec<ContactReport>,
+    /// The task whose retreat from a fault by force releases this one: it asks for nothing. `None`: none does.
+    pub released_by: Option<usize>,
 }

@@ -69,7 +69,7 @@ const DIFFERENCE: f64 = 6.0;
 /// How far below −f₅ a force is a pull, in units of σ: noise of the stated size reaches 8 σ in no run.
 const PULL: f64 = 3.0;
 
-/// Way back after a fault, m, and its speed, m/s.
+/// Way back after a fault, m, and its speed, m/s, where no force is too large.
 const FAULT_RETREAT: (f64, f64) = (0.006, 0.05);
 
 /// Longest way back from a force that is still there, m.
@@ -345,7 +345,7 @@ impl Step<'_> {
 
     /// Returns the velocity before the limit of acceleration, m/s.
     fn wanted(&self, speed: f64) -> f64 {
-        let (settings, axis, AxisInput { force, to_rest, .. }) = (self.settings, &*self.axis, self.input);
+        let (settings, axis, AxisInput { force, .. }) = (self.settings, &*self.axis, self.input);
         match axis.phase {
             ContactPhase::Approach if force > settings.suspicion() => 0.0,
             ContactPhase::Approach => speed,
@@ -353,17 +353,28 @@ impl Step<'_> {
             ContactPhase::Contact => self.returning(force),
             // Nobody knows whether the surface still moves: the tool meets it at the speed of an approach.
             ContactPhase::Loss => self.returning(force).min(speed),
-            ContactPhase::Fault(cause) => {
-                let is_believed = !matches!(cause, FaultCause::Pull | FaultCause::Stuck);
-                let is_pressed = is_believed && force.abs() > settings.threshold();
-                let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
-                let end = axis.fault_position - way * settings.metre;
-                // A pull on a tool that has not moved forward may be a surface behind it, on which a retreat would press.
-                let end = if cause == FaultCause::Pull { end.max(axis.fault_position.min(0.0)) } else { end };
-                let speed = (FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
-                if axis.position + to_rest > end { -speed } else { 0.0 }
-            }
+            ContactPhase::Fault(cause) => self.retreating(cause),
         }
+    }
+
+    /// Returns the velocity of the retreat from a fault, m/s.
+    ///
+    /// A tool whose force is too large leaves as fast as it may: its surface may come after it.
+    fn retreating(&self, cause: FaultCause) -> f64 {
+        let (settings, axis, AxisInput { force, to_rest, acceleration, .. }) = (self.settings, &*self.axis, self.input);
+        let is_believed = !matches!(cause, FaultCause::Pull | FaultCause::Stuck);
+        let is_pressed = is_believed && force.abs() > settings.threshold();
+        let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
+        let end = axis.fault_position - way * settings.metre;
+        // A pull on a tool that has not moved forward may be a surface behind it, on which a retreat would press.
+        let end = if cause == FaultCause::Pull { end.max(axis.fault_position.min(0.0)) } else { end };
+        let is_fast = is_pressed && cause == FaultCause::ForceLimit;
+        let gentle = if is_fast { f64::INFINITY } else { FAULT_RETREAT.1 * settings.metre };
+        let left = axis.position + to_rest - end;
+        if left <= 0.0 {
+            return 0.0;
+        }
+        -gentle.min(settings.retreat_speed).min((2.0 * STOP_SHARE * acceleration * left).sqrt())
     }
 
     /// Returns the velocity of the way back to the place of the surface, m/s, for a force (N) that may be missing.

@@ -43,3 +43,15 @@ fn the_smallest_value_is_exact_where_values_coincide() {
         assert!((singular.smallest() - 1.0).abs() < 1e-14, "{n} joints, {m} rows: {}", singular.smallest());
     }
 }
+
+/// The tasks of an arm may have more rows than it has joints.
+#[test]
+fn the_shape_of_the_matrix_does_not_matter() {
+    let tall = Matrix::from_fn(9, 4, |i, j| ((3 * i * i + 5 * i * j + 7 * j) as f64).sin());
+    let (smallest, product) = smallest_and_product(&tall);
+    let expected = Svd::new(&tall);
+    assert!((smallest - expected.smallest()).abs() < 1e-13);
+    assert!((product / expected.singular_values().iter().product::<f64>() - 1.0).abs() < 1e-12);
+    assert_eq!(smallest_and_product(&tall.transpose()), (smallest, product));
+    assert_eq!(smallest_and_product(&Matrix::zeros(0, 4)), (0.0, 0.0));
+}

@@ -11,6 +11,7 @@ use crate::law::{
 use crate::linalg::row_times;
 use crate::surface::{NormalEstimate, NormalReport};
 use crate::task::{TaskError, TaskStack};
+use crate::tolerances::TOLERANCES;
 
 /// Part of the acceleration of the joints with which the law brakes; the rest is left to the other tasks. A choice.
 const CONTACT_SHARE: f64 = 0.9;
@@ -19,8 +20,8 @@ const CONTACT_SHARE: f64 = 0.9;
 #[derive(Debug, Default)]
 pub struct Contacts {
     axes: Vec<PressingAxis>,
-    /// The task of the highest index with an axis in a fault by force.
-    retreat: Option<usize>,
+    /// Per task, whether one of its axes is in a fault by force.
+    retreats: Vec<bool>,
 }
 
 /// One axis.
@@ -73,17 +74,12 @@ impl Contacts {
                 .filter(|_| config.tasks[task].rows.is_angular(row, &config.robot) == Some(false)),
         };
         let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
-        Self { axes: rows.map(axis).collect(), retreat: None }
+        Self { axes: rows.map(axis).collect(), retreats: vec![false; config.tasks.len()] }
     }
 
     /// Returns the axes.
     pub fn axes(&self) -> &[PressingAxis] {
         &self.axes
-    }
-
-    /// Returns the task of the highest index that retreats from a fault by force; the tasks before it are released.
-    pub fn retreat(&self) -> Option<usize> {
-        self.retreat
     }
 
     /// Starts a period: the axes continue from the memory, and from what the arm did while states were missing.
@@ -94,7 +90,7 @@ impl Contacts {
         previous: &Memory,
         tasks: &TaskStack,
     ) {
-        self.retreat = None;
+        self.retreats.fill(false);
         for (index, axis) in self.axes.iter_mut().enumerate() {
             axis.memory = previous.contacts.get(index).copied().unwrap_or(ContactAxis::START);
             let surface = arm.surfaces.iter().find(|surface| surface.contact == index);
@@ -144,7 +140,7 @@ impl Contacts {
             velocity[row] = axis.direction * pressing;
             reports.push(report);
             if matches!(report.phase, ContactPhase::Fault(cause) if cause != FaultCause::Pull) {
-                self.retreat = Some(k);
+                self.retreats[k] = true;
             }
         }
     }
@@ -184,27 +180,46 @@ impl Contacts {
     }
 
     /// Lets the tasks above one with a fault by force go: nothing but limits and constraints holds its retreat back, and none brings the tool
-    /// back afterwards. The tasks below it that turn with its surface stop: the tool may have slid into a slope that it does not know.
+    /// back afterwards. The tasks that turn with its surface stop: the tool may have slid into a slope that it does not know.
+    ///
+    /// A task that moves none of its joints stays, as one of another arm does, and so does one that retreats itself.
     pub(super) fn give_way_to_a_retreat(
         &self,
         config: &ControllerConfig,
         targets: &mut [TaskTarget],
         tasks: &mut TaskStack,
     ) -> Result<(), TaskError> {
-        let Some(retreat) = self.retreat else { return Ok(()) };
-        let faulty = &config.tasks[retreat];
-        let follows = faulty.law.contact().is_some_and(|law| law.surface().is_some());
-        for (k, target) in targets.iter_mut().enumerate().filter(|(k, _)| *k != retreat) {
-            if k < retreat || (follows && config.tasks[k].rows.has_axes_of(&faulty.rows)) {
+        for (k, target) in targets.iter_mut().enumerate() {
+            let is_in_the_way = |&r: &usize| self.retreats[r] && share_joints(tasks, k, r);
+            target.released_by = (k + 1..self.retreats.len()).find(is_in_the_way).filter(|_| !self.retreats[k]);
+            if target.released_by.is_some() || self.slid_into_a_slope(k, config) {
                 target.velocity.fill(0.0);
             }
         }
+        if !self.retreats.contains(&true) {
+            return Ok(());
+        }
         tasks.overwrite_jacobians(|k, jacobian| {
-            if k < retreat {
+            if targets[k].released_by.is_some() {
                 jacobian.fill(0.0);
             }
         })
     }
+
+    /// Returns whether another task than `k` retreats from a surface with which `k` turns.
+    fn slid_into_a_slope(&self, k: usize, config: &ControllerConfig) -> bool {
+        config.tasks.iter().enumerate().any(|(r, faulty)| {
+            let follows = || faulty.law.contact().is_some_and(|law| law.surface().is_some());
+            self.retreats[r] && r != k && follows() && config.tasks[k].rows.has_axes_of(&faulty.rows)
+        })
+    }
+}
+
+/// Returns whether two tasks move a joint both, beyond what rounding moves.
+fn share_joints(tasks: &TaskStack, k: usize, other: usize) -> bool {
+    let [a, b] = [k, other].map(|task| &tasks.tasks()[task].jacobian);
+    let shared: f64 = a.column_iter().zip(b.column_iter()).map(|(a, b)| a.norm() * b.norm()).sum();
+    shared > TOLERANCES.rank * a.norm() * b.norm()
 }
 
 impl PressingAxis {

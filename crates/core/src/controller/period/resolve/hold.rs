@@ -1,6 +1,6 @@
 //! How long the answer may be held before a watchdog brakes, as far as joints and contacts say.
 
-use super::super::aim::Contacts;
+use super::super::aim::Requests;
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::law::ContactPhase;
@@ -12,7 +12,7 @@ use crate::task::TaskStack;
 pub(super) struct Holding<'a> {
     pub config: &'a ControllerConfig,
     pub arm: &'a ArmState,
-    pub contacts: &'a Contacts,
+    pub requests: Requests<'a>,
 }
 
 impl Holding<'_> {
@@ -31,11 +31,11 @@ impl Holding<'_> {
     /// that presses or approaches, that least time while a tool may be pushed by the retreat of a lower task. A loop whose answers take up to
     /// a period does not brake between two of them.
     fn pressing_time(self, command: &[f64], tasks: &TaskStack) -> f64 {
-        let Self { config, contacts, .. } = self;
+        let Self { config, requests: Requests { contacts, targets, .. }, .. } = self;
         let shortest = spare_time(2.0 * config.period_s);
         let times = contacts.axes().iter().filter_map(|axis| {
             let law = config.tasks[axis.task].law.contact()?;
-            if contacts.retreat().is_some_and(|retreat| axis.task < retreat) {
+            if targets[axis.task].released_by.is_some() {
                 // A released task has no rows in this problem.
                 return Some(shortest);
             }
