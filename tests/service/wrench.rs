@@ -156,6 +156,27 @@ fn a_tare_that_contradicts_the_session_is_refused_or_warned_of() {
     let answer = service.post(&format!("{session}/tare"), &json!({"readings": good}).to_string());
     answer.assert_refused(422, Some("/readings"));
     assert!(answer.text.contains("would count as bias"), "{}", answer.text);
+    // Another name, and the tool as frame, which points downwards: the law knows nothing of its contact, and the session does.
+    let rename = |pressing: &mut Value, name: &str| pressing["tasks"][0]["name"] = json!(name);
+    rename(&mut pressing, "renamed");
+    let put = |controller: &Value| {
+        let headers = [("content-type", "application/json")];
+        assert_eq!(service.send("PUT", &session, &headers, &controller.to_string()).status, 200);
+    };
+    let step = |sequence: u64, force: f64| {
+        let wrench = json!({"force": [0.0, 0.0, force], "torque": [0.0, 0.0, 0.0]});
+        service.call(&format!("{session}/step"), &state(sequence, &START, &wrench));
+    };
+    let tare = || service.post(&format!("{session}/tare"), &json!({"readings": good}).to_string());
+    put(&pressing);
+    tare().assert_refused(422, Some("/readings"));
+    rename(&mut pressing, "again");
+    put(&pressing);
+    (200..210).for_each(|sequence| step(sequence, 15.0));
+    tare().assert_refused(422, Some("/readings"));
+    // The tool leaves the surface.
+    (210..260).for_each(|sequence| step(sequence, 0.0));
+    assert_eq!(tare().status, 200);
 
     let mut bounded = controller(&json!({}));
     bounded["state_checks"] = json!({"max_force_n": 100.0});
@@ -310,4 +331,33 @@ fn sessions_and_stateless_steps_correct_with_the_same_bytes() {
         assert_eq!(bytes(by_session), bytes(stateless));
     }
     assert!(memory["wrench_sensors"][0]["filtered"]["force"].is_array(), "{memory}");
+}
+
+/// Grams, millimetres, and gravity in g.
+#[test]
+fn numbers_of_a_sensor_in_another_unit_are_warned_of() {
+    let service = Service::start();
+    let warned = |sensor: Value| {
+        let created = service.call("/v1/controllers", &controller(&sensor));
+        created["warnings"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(|text| text.as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    let usual = warned(json!({"payload": {"mass_kg": 0.8, "center_of_mass": [0, 0, 0.07]}}));
+    let turned = json!({"w": 1, "x": 0, "y": 0, "z": 0});
+    for (sensor, field) in [
+        (json!({"payload": {"mass_kg": 800}}), "payload.mass_kg"),
+        (json!({"payload": {"mass_kg": 0.8, "center_of_mass": [0, 0, 70]}}), "payload.center_of_mass"),
+        (json!({"pose": {"position": [0, 0, 80], "orientation": turned}}), "pose"),
+        (json!({"payload": {"mass_kg": 0.8}, "gravity": [0, 0, -1]}), "gravity"),
+        (json!({"payload": {"mass_kg": 0.8}, "gravity": [0, 0, -9810]}), "gravity"),
+    ] {
+        let warnings = warned(sensor);
+        assert_eq!(warnings.len(), usual.len() + 1, "{warnings:?}");
+        assert!(warnings.iter().any(|text| text.starts_with(&format!("`wrench_sensor.{field}`"))), "{warnings:?}");
+    }
+    assert_eq!(warned(json!({"payload": {"mass_kg": 0.8}, "gravity": [0, 0, 0]})).len(), usual.len());
 }

@@ -31,6 +31,9 @@ const GRAVITY_TOLERANCE: f64 = 2e-3;
 /// Residual over the noise above which the readings are not those of a payload.
 const MAX_RESIDUAL: f64 = 3.0;
 
+/// Largest distance of a centre of mass from its sensor, m. Torques in N·mm give a thousand times the true one.
+const FARTHEST_CENTER: f64 = 5.0;
+
 /// Payload and bias.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Payload {
@@ -109,6 +112,15 @@ pub enum PayloadError {
         /// The noise, N·m.
         noise: f64,
     },
+    /// The centre of mass is where none can be.
+    #[error(
+        "the centre of mass would be {distance:.1} m away from the sensor: the torques have another unit than N·m, or the forces another one \
+         than N"
+    )]
+    FarCenter {
+        /// The distance, m.
+        distance: f64,
+    },
 }
 
 type Normal = SMatrix<f64, 4, 4>;
@@ -145,9 +157,13 @@ pub fn identify(readings: &[PayloadReading], noise: [f64; 2]) -> Result<Payload,
         return Err(PayloadError::TorqueResidual { residual: torque_residual, noise: noise[1] });
     }
     let has_mass = mass > SIGMAS * mass_uncertainty;
+    let center_of_mass = if has_mass { moment / mass } else { Vector3::zeros() };
+    if !(center_of_mass.norm() <= FARTHEST_CENTER) {
+        return Err(PayloadError::FarCenter { distance: center_of_mass.norm() });
+    }
     Ok(Payload {
         mass: mass.max(0.0),
-        center_of_mass: if has_mass { moment / mass } else { Vector3::zeros() },
+        center_of_mass,
         force_bias,
         torque_bias,
         mass_uncertainty,

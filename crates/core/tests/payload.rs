@@ -243,6 +243,15 @@ fn numbers_that_are_none_are_refused() {
     };
     // N·mm, exchanged axes, a dead channel, gravity in g.
     assert!(matches!(all(&|reading| reading.torque *= 1e3), Err(PayloadError::TorqueResidual { .. })));
+    // Means of so many readings that the noise does not show the unit.
+    let quiet: Vec<_> = six()
+        .into_iter()
+        .map(|gravity| {
+            let weight = GRAVITY * TRUTH.mass * gravity;
+            PayloadReading { gravity: GRAVITY * gravity, force: weight, torque: 1e3 * TRUTH.center.cross(&weight) }
+        })
+        .collect();
+    assert!(matches!(identify(&quiet, NOISE), Err(PayloadError::FarCenter { distance }) if distance > 80.0));
     assert!(matches!(all(&|reading| reading.torque.swap_rows(0, 1)), Err(PayloadError::TorqueResidual { .. })));
     assert!(matches!(all(&|reading| reading.torque.x = 0.0), Err(PayloadError::TorqueResidual { .. })));
     assert_eq!(all(&|reading| reading.gravity /= 9.81), Err(PayloadError::NotFinite { reading: 0 }));

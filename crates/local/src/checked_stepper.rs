@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::clock::Instant;
 use revprio_api::wire;
 use revprio_core::controller::{Command, Controller, ControllerConfig, Measurement, Memory, Stepper};
+use revprio_core::law::ContactPhase;
 use revprio_core::linalg::Vector;
 
 use super::convert;
@@ -130,12 +131,14 @@ pub struct ControlLoop {
     memory: Option<Memory>,
     last_state: Option<LastState>,
     answers: RecentAnswers,
+    /// Whether a controller before this one pressed, and this one has touched ever since.
+    has_pressed: bool,
 }
 
 impl ControlLoop {
     /// Starts without memory.
     pub fn new(stepper: CheckedStepper) -> Self {
-        Self { stepper, memory: None, last_state: None, answers: RecentAnswers::default() }
+        Self { stepper, memory: None, last_state: None, answers: RecentAnswers::default(), has_pressed: false }
     }
 
     /// Returns the controller.
@@ -151,9 +154,17 @@ impl ControlLoop {
             (Some(memory), Some(last)) => new.continue_from(old, memory, &last.joint_position).map(Some),
             _ => new.check_transition(old).map(|()| None),
         };
-        self.memory = continued.map_err(|error| convert::transition_error(&error))?;
-        self.stepper = stepper;
+        let continued = continued.map_err(|error| convert::transition_error(&error))?;
+        self.has_pressed = self.presses_surely();
+        (self.memory, self.stepper) = (continued, stepper);
         Ok(())
+    }
+
+    /// Returns whether the law `contact` certainly presses: also one that knows nothing of its contact yet, because it has another name or
+    /// frame than the one before.
+    fn presses_surely(&self) -> bool {
+        let config = self.controller().config();
+        self.has_pressed || self.memory.as_ref().is_some_and(|memory| config.presses_surely(&memory.contacts))
     }
 
     /// Tares a wrench sensor. The next state gets its bias; all else that the controller remembers stays. `controller`: that of the
@@ -164,7 +175,7 @@ impl ControlLoop {
         controller: &wire::Controller,
     ) -> Result<(wire::TareAnswer, wire::Controller), ApiError> {
         let config = self.controller().config();
-        if self.memory.as_ref().is_some_and(|memory| config.presses_surely(&memory.contacts)) {
+        if self.presses_surely() {
             return Err(ApiError::invalid("/readings", TARE_IN_CONTACT));
         }
         for (number, reading) in request.readings.iter().enumerate() {
@@ -232,6 +243,8 @@ impl ControlLoop {
 
     fn remember(&mut self, sequence: u64, measurement: Measurement) {
         let Measurement { time_s, joint_position, .. } = measurement;
+        let touches = |memory: &Memory| memory.contacts.iter().any(|axis| axis.phase == ContactPhase::Contact);
+        self.has_pressed &= self.memory.as_ref().is_some_and(touches);
         self.last_state = Some(LastState { sequence, time_s, joint_position });
     }
 }

@@ -4077,8 +4077,10 @@ class PayloadRequest(Body):
     - readings: At least six readings, in postures that turn the sensor far: gravity along each of its axes in both
       directions is best.
     - force_noise_n: Noise of a reading, rms, N; of a mean, if the readings are means. Default 0.2.
-    - gravity: Acceleration of gravity along the axes of the base, m/s²; default [0, 0, -9.81]. Shape: 3.
-    - pose: Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame.
+    - gravity: Acceleration of gravity along the axes of the base, m/s², for the readings with `joint_position`;
+      default [0, 0, -9.81]. Shape: 3.
+    - pose: Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame. Readings
+      with their own `gravity` do not need it.
     - robot: Name of the robot, from `GET /v1/robots`; only for readings with `joint_position`.
     - tip: Tip before which the sensor is, by its name; default: the tool.
     - torque_noise_nm: Noise of a reading, rms, N·m; default 0.02.
@@ -4092,9 +4094,11 @@ class PayloadRequest(Body):
     force_noise_n: float | None = None
     """Noise of a reading, rms, N; of a mean, if the readings are means. Default 0.2."""
     gravity: Vector | None = None
-    """Acceleration of gravity along the axes of the base, m/s²; default [0, 0, -9.81]. Shape: 3."""
+    """Acceleration of gravity along the axes of the base, m/s², for the readings with `joint_position`; default [0, 0,
+    -9.81]. Shape: 3."""
     pose: Pose | None = None
-    """Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame."""
+    """Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame. Readings with their
+    own `gravity` do not need it."""
     robot: str | None = None
     """Name of the robot, from `GET /v1/robots`; only for readings with `joint_position`."""
     tip: str | None = None

@@ -147,10 +147,11 @@ pub struct PayloadRequest {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(example = "right_hand")]
     pub tip: Option<String>,
-    /// Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame.
+    /// Pose of the sensor in the robot's own tool frame, as in `wrench_sensor`; default: that frame. Readings with their own `gravity` do
+    /// not need it.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub pose: Option<Pose>,
-    /// Acceleration of gravity along the axes of the base, m/s²; default [0, 0, -9.81].
+    /// Acceleration of gravity along the axes of the base, m/s², for the readings with `joint_position`; default [0, 0, -9.81].
     #[serde(default = "default_gravity", skip_serializing_if = "is_default_gravity")]
     #[schema(example = json!([0.0, 0.0, -9.81]))]
     pub gravity: [f64; 3],

@@ -95,7 +95,8 @@ fn refused(error: &PayloadError) -> ApiError {
         | PayloadError::Similar { .. }
         | PayloadError::Axes(_)
         | PayloadError::Residual { .. }
-        | PayloadError::TorqueResidual { .. } => "/readings".to_owned(),
+        | PayloadError::TorqueResidual { .. }
+        | PayloadError::FarCenter { .. } => "/readings".to_owned(),
     };
     ApiError::invalid(pointer, error)
 }

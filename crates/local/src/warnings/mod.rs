@@ -14,6 +14,7 @@ mod taken_rows;
 mod tare;
 mod targets;
 mod weights;
+mod wrench_sensor;
 
 use revprio_api::wire;
 use revprio_core::controller::{ControllerConfig, SteepGain};
@@ -39,6 +40,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     let mut warnings = contact::warnings(request)?;
     warnings.extend(deadband::warnings(request));
     warnings.extend(surface::warnings(request));
+    warnings.extend(wrench_sensor::warnings(request));
     warnings.extend(taken_rows::warnings(request));
     warnings.extend(state_bounds::warnings(request, config));
     warnings.extend(free_space::warnings(request, config));
