@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io;
 use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
@@ -35,7 +35,30 @@ struct Entry {
     writes: AtomicU64,
     /// Time of the last write since the start of the service, ms.
     last_write_ms: AtomicU64,
-    task: OnceLock<AbortHandle>,
+    task: ServingTask,
+}
+
+/// The task that serves a connection: at first that of its requests, after an upgrade that of its stream.
+#[derive(Debug, Clone, Default)]
+pub struct ServingTask(Arc<Mutex<Option<AbortHandle>>>);
+
+impl ServingTask {
+    /// Sets the task.
+    pub fn set(&self, task: AbortHandle) {
+        *self.lock() = Some(task);
+    }
+
+    fn is_running(&self) -> bool {
+        self.lock().as_ref().is_some_and(|task| !task.is_finished())
+    }
+
+    fn abort(&self) {
+        self.lock().as_ref().inspect(|task| task.abort());
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<AbortHandle>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// The place of one connection in the table. Dropping it removes the connection.
@@ -72,12 +95,11 @@ impl Connections {
     pub fn close_oldest(&self) -> bool {
         let mut open = self.open();
         let now_ms = self.now_ms();
-        let closable =
-            |entry: &Entry| entry.task.get().is_some_and(|task| !task.is_finished()) && !entry.is_in_loop(now_ms);
+        let closable = |entry: &Entry| entry.task.is_running() && !entry.is_in_loop(now_ms);
         let oldest = open.iter().filter(|(_, entry)| closable(entry));
         let oldest = oldest.min_by_key(|(_, entry)| entry.answered.load(Ordering::Relaxed)).map(|(&id, _)| id);
         let Some(entry) = oldest.and_then(|id| open.remove(&id)) else { return false };
-        entry.task.get().inspect(|task| task.abort());
+        entry.task.abort();
         true
     }
 
@@ -116,10 +138,9 @@ impl Slot {
         Reads { entry: Arc::clone(&self.entry), seen: AtomicU64::new(0) }
     }
 
-    /// Returns a function that sets the task which serves the connection.
-    pub fn set_task(&self) -> impl FnOnce(AbortHandle) + use<> {
-        let entry = Arc::clone(&self.entry);
-        move |task| drop(entry.task.set(task))
+    /// Returns the place of the task that serves the connection.
+    pub fn task(&self) -> ServingTask {
+        self.entry.task.clone()
     }
 }
 

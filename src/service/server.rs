@@ -13,6 +13,7 @@ use axum::Router;
 use axum::response::Response;
 use hyper::Request;
 use hyper::body::Incoming;
+use hyper::header::UPGRADE;
 use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -23,7 +24,7 @@ use tokio::task::JoinSet;
 
 use super::app::Service;
 use super::config::ServiceConfig;
-use super::connection::{Connection, Reads};
+use super::connection::{Connection, Reads, ServingTask};
 use super::drain::Draining;
 use super::error::connection_refusal;
 use super::gate::{LocalAddress, PeerAddress};
@@ -188,8 +189,8 @@ where
     if full {
         metrics.count_connection_fault("closed_for_another");
     }
-    let set_task = slot.set_task();
-    let caller = Caller { local, peer, reads: slot.reads() };
+    let serving = slot.task();
+    let caller = Caller { local, peer, reads: slot.reads(), task: slot.task() };
     let connection = Connection::new(stream, slot, config.write_timeout);
     let draining = service.app.drain.subscribe();
     let task = match &config.tls {
@@ -205,7 +206,7 @@ where
             })
         }
     };
-    set_task(task.abort_handle());
+    serving.set(task.abort_handle());
 }
 
 /// Answers a connection above the limit. A new connection can be written to only after the runtime has polled it.
@@ -252,7 +253,7 @@ impl Service {
         C: AsyncRead + AsyncWrite + Unpin + Send + 'static,
     {
         let Some((slot, _)) = self.app.connections.add() else { return };
-        let caller = Caller { local: None, peer, reads: slot.reads() };
+        let caller = Caller { local: None, peer, reads: slot.reads(), task: slot.task() };
         answer(connection, caller, self.clone(), self.app.drain.subscribe()).await;
     }
 }
@@ -263,6 +264,7 @@ struct Caller {
     local: Option<SocketAddr>,
     peer: SocketAddr,
     reads: Reads,
+    task: ServingTask,
 }
 
 impl Caller {
@@ -271,7 +273,9 @@ impl Caller {
     /// A request that had arrived together with the one before it waits until other connections have had their turn.
     fn call(&self, mut request: Request<Incoming>, router: Router) -> impl Future<Output = RouterResult> + use<> {
         let has_turn = self.reads.has_new();
+        let is_upgrade = request.headers().contains_key(UPGRADE);
         let extensions = request.extensions_mut();
+        is_upgrade.then(|| extensions.insert(self.task.clone()));
         self.local.map(|local| extensions.insert(LocalAddress(local.ip())));
         extensions.insert(PeerAddress(self.peer));
         async move {

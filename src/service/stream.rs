@@ -4,6 +4,7 @@
 //! (`revprio.msgpack`). The next state is read after the answer to the last one is sent, so a slow reader uses no memory.
 //! A refused state is answered with a problem object, which has a `status`, and the stream continues.
 
+use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -11,14 +12,15 @@ use std::time::Duration;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use axum::http::HeaderValue;
 use axum::response::Response;
-use tokio::time::{Instant, interval_at, timeout};
+use tokio::time::{Instant, interval_at, sleep, timeout};
 
+use super::connection::ServingTask;
 use super::drain::Draining;
 use super::error::ApiError;
 use super::format::Format;
 use super::interleaving::Source;
 use super::ownership::Owner;
-use super::sessions::SharedAnswer;
+use super::sessions::{Life, SharedAnswer};
 use super::state::AppState;
 
 /// Subprotocol of JSON.
@@ -44,8 +46,11 @@ const MAX_SILENCE: Duration = Duration::from_secs(30);
 /// Timeout for a client that does not read.
 const READ_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Timeout for the client's answer to the close frame.
+/// Timeout for the end of a stream after a close frame.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// Time after the end of its controller in which a client that sends a state gets a refusal before the close frame.
+const LAST_STATE: Duration = Duration::from_millis(500);
 
 /// Number of the next stream.
 static NEXT_STREAM: AtomicU64 = AtomicU64::new(0);
@@ -59,8 +64,15 @@ const INTERNAL: CloseReason = CloseReason(1011, "a defect of the service; the lo
 const NO_CONTROLLER: CloseReason = CloseReason(4404, "the controller has ended");
 const SILENT: CloseReason = CloseReason(4408, "the client was silent for too long");
 
-/// Upgrades the connection, and serves the session `id` until either side ends the stream.
-pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String, owner: Owner) -> Response {
+/// Upgrades the connection, and serves the session `id` until either side ends the stream. `task`: the place of the task that serves the
+/// connection from then on.
+pub fn accept(
+    upgrade: WebSocketUpgrade,
+    task: Option<ServingTask>,
+    app: Arc<AppState>,
+    (id, life): (String, Life),
+    owner: Owner,
+) -> Response {
     let draining = app.drain.subscribe();
     let upgrade = upgrade
         .protocols([JSON, MESSAGE_PACK])
@@ -72,7 +84,10 @@ pub fn accept(upgrade: WebSocketUpgrade, app: Arc<AppState>, id: String, owner: 
         let is_binary = socket.protocol().map(HeaderValue::as_bytes) == Some(MESSAGE_PACK.as_bytes());
         let format = if is_binary { Format::MessagePack } else { Format::Json };
         let source = Source::Stream(NEXT_STREAM.fetch_add(1, Ordering::Relaxed));
-        Stream { socket, app, id, owner, source, format }.serve(draining).await;
+        let stream = Stream { socket, app, id, owner, source, format };
+        let serving = tokio::spawn(stream.serve(draining, life));
+        task.inspect(|task| task.set(serving.abort_handle()));
+        let _ = serving.await;
     })
 }
 
@@ -86,17 +101,21 @@ struct Stream {
 }
 
 impl Stream {
-    async fn serve(mut self, mut draining: Draining) {
-        if let Err(CloseReason(code, reason)) = self.answer_all(&mut draining).await {
+    async fn serve(mut self, mut draining: Draining, life: Life) {
+        if let Err(CloseReason(code, reason)) = self.answer_all(&mut draining, life).await {
             let close = CloseFrame { code, reason: Utf8Bytes::from_static(reason) };
             let _ = self.send(Message::Close(Some(close))).await;
-            // An early end would reset the connection, and the client would lose the reason.
-            let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = self.socket.recv().await {} }).await;
         }
+        // An early end would reset the connection, and the client would lose the reason. Reading also sends the answer to a close frame.
+        let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = self.socket.recv().await {} }).await;
     }
 
     /// Answers until the client is gone or the service has a reason to end the stream.
-    async fn answer_all(&mut self, draining: &mut Draining) -> Result<(), CloseReason> {
+    async fn answer_all(&mut self, draining: &mut Draining, life: Life) -> Result<(), CloseReason> {
+        let mut ended = pin!(async {
+            life.ended().await;
+            sleep(LAST_STATE).await;
+        });
         let mut last_received = Instant::now();
         let mut pings = interval_at(last_received + PING_INTERVAL, PING_INTERVAL);
         loop {
@@ -104,6 +123,7 @@ impl Stream {
                 // The same order every time. Messages are last: a client that never pauses must not delay the others.
                 biased;
                 () = draining.begun() => return Err(DRAINING),
+                () = &mut ended => return Err(NO_CONTROLLER),
                 now = pings.tick() => {
                     if now.duration_since(last_received) >= MAX_SILENCE {
                         return Err(SILENT);
@@ -111,6 +131,7 @@ impl Stream {
                     if self.send(Message::Ping("".into())).await.is_err() {
                         return Ok(());
                     }
+                    self.app.sessions.end_idle();
                     continue;
                 }
                 message = self.socket.recv() => message,

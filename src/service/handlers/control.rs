@@ -6,7 +6,7 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::http::{StatusCode, header};
+use axum::http::{Extensions, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 
@@ -128,11 +128,13 @@ pub async fn stream_controller(
     State(app): Shared,
     Segment(id): Segment,
     owner: Owner,
+    extensions: Extensions,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, ApiError> {
-    app.sessions.check_owner(&id, &owner).await?;
+    let life = app.sessions.life(&id, &owner).await?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
-    Ok(stream::accept(upgrade, app, id, owner))
+    let task = extensions.get().cloned();
+    Ok(stream::accept(upgrade, task, app, (id, life), owner))
 }
 
 /// Watches a session.
