@@ -237,7 +237,7 @@ impl Hierarchy {
     }
 
     /// Makes an average of solutions consistent: x inside the box, the values of the rows, and the multipliers of `other` where
-    /// the solution has none. A bound that the average does not reach holds nothing back.
+    /// the solution has none. A bound that the average does not reach, beyond the rounding of its row, holds nothing back.
     pub fn settle(&self, solution: &mut Solution, other: &Solution) {
         for (x, (lower, upper)) in solution.x.iter_mut().zip(self.bounds()) {
             // Not a number stays one: the answer is then refused.
@@ -256,10 +256,12 @@ impl Hierarchy {
             let reaches = |it: &f64| reaches(*it, solution.x[j], self.lower[j], self.upper[j]);
             *multiplier = [*multiplier, other.multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
         }
+        let speed = solution.x.iter().map(|x| x * x).sum::<f64>().sqrt();
         for (index, (row, multiplier)) in self.rows.iter().zip(&mut solution.row_multipliers).enumerate() {
             let value = self.value(index, &solution.x);
             solution.row_values[index] = value;
-            if !row.is_equation() && !reaches(*multiplier, value, row.lower, row.upper) {
+            let rounding = TOLERANCES.rounding * row.square.sqrt() * speed;
+            if !row.is_equation() && !reaches(*multiplier, value, row.lower + rounding, row.upper - rounding) {
                 *multiplier = 0.0;
             }
         }

@@ -12,7 +12,7 @@ use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{Joint, RobotModel, built_in};
 
-use super::arms::{Random, controller, task, tool_rows, with_jerk};
+use super::arms::{NOMINAL, Random, constant, controller, position, sawyer, task, tool_rows, with_jerk};
 use super::drives::LaggingArm;
 
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -193,6 +193,30 @@ fn approaches(arms: &[Arc<RobotModel>], rise: Option<f64>, sequences: Range<u64>
     }
     found.outside.iter_mut().for_each(|list| list.sort_by(f64::total_cmp));
     found
+}
+
+/// Damping averages several solutions, whose sum is at the plane up to rounding.
+#[test]
+fn a_damped_tool_that_rests_at_a_plane_names_it_in_every_period() {
+    let robot = sawyer();
+    let height = Configuration::new(&robot, &NOMINAL).unwrap().tool_pose().translation.vector.z;
+    let plane = VirtualPlane::new("floor", [0.0, 0.0, -1.0], 0.01 - height, PlanePoint::Tool, 10.0).unwrap();
+    let down = Law::Velocity(constant(&[-0.02]));
+    let others = [Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz];
+    let tasks = vec![task(&[Axis::Z], down), task(&others, position(5, 2.0))];
+    let config = ControllerConfig::new(Arc::clone(&robot), 0.004, tasks);
+    let config = ControllerConfig { constraints: vec![Constraint::Plane(plane)], ..config };
+    let mut stepper = Stepper::new(controller(config)).unwrap();
+    let (mut arm, mut memory, mut blended) = (LaggingArm::at_rest(&NOMINAL, Drive::IDEAL, 0.0, 1), None, 0);
+    for period in 0..1500 {
+        let command = stepper.step(&mut memory, &arm.measure(0.004 * f64::from(period))).unwrap();
+        if period > 1000 {
+            assert_eq!(command.resolution.active_constraints().count(), 1, "period {period}");
+            blended += usize::from(command.resolution.solver.working_sets > 1);
+        }
+        arm.follow(command.resolution.joint_velocity.as_slice(), 0.004);
+    }
+    assert!(blended > 400, "{blended}");
 }
 
 #[test]
