@@ -206,12 +206,13 @@ impl Contacts {
         })
     }
 
-    /// Returns whether another task than `k` retreats from a surface with which `k` turns.
+    /// Returns whether a task retreats from a surface with which `k` turns, which does not retreat itself.
     fn slid_into_a_slope(&self, k: usize, config: &ControllerConfig) -> bool {
-        config.tasks.iter().enumerate().any(|(r, faulty)| {
-            let follows = || faulty.law.contact().is_some_and(|law| law.surface().is_some());
-            self.retreats[r] && r != k && follows() && config.tasks[k].rows.has_axes_of(&faulty.rows)
-        })
+        !self.retreats[k]
+            && config.tasks.iter().enumerate().any(|(r, faulty)| {
+                let follows = || faulty.law.contact().is_some_and(|law| law.surface().is_some());
+                self.retreats[r] && follows() && config.tasks[k].rows.has_axes_of(&faulty.rows)
+            })
     }
 }
 
