@@ -52,6 +52,9 @@ const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 /// Time after the end of its controller in which a client that sends a state gets a refusal before the close frame.
 const LAST_STATE: Duration = Duration::from_millis(500);
 
+/// Why a state is refused that comes as text where MessagePack was agreed on.
+const TEXT_FRAME: &str = "a text frame on a stream with `revprio.msgpack`; send MessagePack in binary frames, or open the stream with `revprio.json`";
+
 /// Number of the next stream.
 static NEXT_STREAM: AtomicU64 = AtomicU64::new(0);
 
@@ -137,14 +140,14 @@ impl Stream {
                 message = self.socket.recv() => message,
             };
             last_received = Instant::now();
-            let bytes = match message {
-                Some(Ok(Message::Text(text))) => text.into(),
-                Some(Ok(Message::Binary(bytes))) => bytes,
+            let (bytes, is_text) = match message {
+                Some(Ok(Message::Text(text))) => (text.into(), true),
+                Some(Ok(Message::Binary(bytes))) => (bytes, false),
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
                 Some(Ok(Message::Close(_))) | None => return Ok(()),
                 Some(Err(_)) => return Err(UNREADABLE),
             };
-            let (answer, close_reason) = self.answer(&bytes).await.map_err(|_| INTERNAL)?;
+            let (answer, close_reason) = self.answer(&bytes, is_text).await.map_err(|_| INTERNAL)?;
             if self.send(answer).await.is_err() {
                 return Ok(());
             }
@@ -155,8 +158,8 @@ impl Stream {
     }
 
     /// Returns the answer to one state, and a reason to close the stream after it.
-    async fn answer(&mut self, bytes: &[u8]) -> Result<(Message, Option<CloseReason>), ApiError> {
-        match self.step(bytes).await {
+    async fn answer(&mut self, bytes: &[u8], is_text: bool) -> Result<(Message, Option<CloseReason>), ApiError> {
+        match self.step(bytes, is_text).await {
             Ok(answer) => Ok((self.message(&answer)?, None)),
             Err(error) => {
                 self.app.metrics.count_problem(error.kind());
@@ -166,7 +169,10 @@ impl Stream {
         }
     }
 
-    async fn step(&mut self, bytes: &[u8]) -> Result<SharedAnswer, ApiError> {
+    async fn step(&mut self, bytes: &[u8], is_text: bool) -> Result<SharedAnswer, ApiError> {
+        if is_text && self.format == Format::MessagePack {
+            return Err(ApiError::malformed(TEXT_FRAME));
+        }
         if bytes.len() > MAX_MESSAGE {
             return Err(ApiError::too_large(MAX_MESSAGE));
         }

@@ -125,6 +125,16 @@ fn refused_states_get_problems_and_the_stream_continues() {
 }
 
 #[test]
+fn text_on_a_stream_of_message_pack_is_named() {
+    let service = Service::start();
+    let session = service.open(&example("controller.json"));
+    let mut client = Client::open(&service, &session, Some("revprio.msgpack"));
+    let problem = client.call(&state(1).to_string());
+    assert_eq!(problem["status"], 400, "{problem}");
+    assert!(problem["detail"].as_str().unwrap().contains("a text frame on a stream"), "{problem}");
+}
+
+#[test]
 fn several_streams_share_one_session() {
     let service = Service::start();
     let session = service.open(&example("controller.json"));
