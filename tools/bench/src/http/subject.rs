@@ -17,6 +17,9 @@ const STEP: &str = include_str!("../../../../api/examples/step.json");
 /// T B_d / M_d of the force task: the share of the steady speed (F_d − F) / B_d that an arm reaches from rest in one period.
 const FIRST_SHARE: f64 = 0.01;
 
+/// Force at which the tool moves at 3 mm/s, N.
+const NEARLY_TARGET: f64 = 29.5;
+
 /// The kind of a step request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Call {
@@ -127,9 +130,11 @@ impl UnderTest {
 
 /// Returns the example with an arm that moves at the speed that the force task commands. The state can then be sent
 /// repeatedly: the integrators do not change, and each period is solved in closed form without an active limit. From rest,
-/// the integrators would reach the limits within a second.
+/// the integrators would reach the limits within a second. The arm is slow, because an answer would otherwise warn of joints that do
+/// not follow their commands.
 fn steady(client: &Client, sequence: u64) -> Result<wire::StepRequest, BenchError> {
     let mut step: wire::StepRequest = serde_json::from_str(STEP).map_err(BenchError::defect)?;
+    step.state.wrench.get_or_insert_default().force[0] = NEARLY_TARGET;
     let from_rest = client.step(&step)?.joint_velocity;
     step.state.joint_velocity = Some(from_rest.iter().map(|speed| speed / FIRST_SHARE).collect::<Vec<_>>().into());
     let answer = client.step(&step)?;
