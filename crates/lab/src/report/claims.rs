@@ -58,14 +58,14 @@ impl Verdict {
     }
 }
 
-/// Returns the claims for each of the paper's scenarios in which both methods were run.
+/// Returns the claims for each of the paper's scenarios in which both methods were run. A changed scenario has none.
 #[must_use]
 pub fn of_runs(runs: &[Run]) -> Vec<Claim> {
     runs.chunk_by(|a, b| a.recording.scenario == b.recording.scenario).flat_map(of_scenario).collect()
 }
 
 fn of_scenario(runs: &[Run]) -> Vec<Claim> {
-    let Some(pair) = MethodPair::from_runs(runs) else { return Vec::new() };
+    let Some(pair) = MethodPair::from_runs(runs).filter(|pair| pair.is_built_in()) else { return Vec::new() };
     let name = runs[0].recording.scenario.as_str();
     let claims = match name {
         "force_tracking" | "force_tracking_singular" => tracking(&pair),

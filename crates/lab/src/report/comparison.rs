@@ -34,6 +34,12 @@ impl<'a> MethodPair<'a> {
         Some(Self { reverse: of_method(REVERSE_PRIORITY)?, classical: of_method(CLASSICAL)? })
     }
 
+    /// Returns whether both runs are those of a built-in scenario or of its beginning.
+    #[must_use]
+    pub fn is_built_in(&self) -> bool {
+        self.reverse.is_built_in() && self.classical.is_built_in()
+    }
+
     /// Returns the largest difference of the commands (rad/s).
     #[must_use]
     pub fn difference(&self) -> f64 {

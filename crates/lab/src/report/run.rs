@@ -20,6 +20,19 @@ pub struct Run {
     pub requests: Option<Requests>,
 }
 
+impl Run {
+    /// Returns whether the run is that of a built-in scenario or of its beginning, with any method and solver. A changed
+    /// copy often keeps the name, but not the results that are known of the scenario.
+    #[must_use]
+    pub fn is_built_in(&self) -> bool {
+        let Some(Ok(mut built_in)) = Scenario::built_in(&self.scenario.name) else { return false };
+        built_in.controller.method = self.scenario.controller.method;
+        built_in.controller.solver = self.scenario.controller.solver;
+        built_in.duration_s = built_in.duration_s.min(self.scenario.duration_s);
+        built_in == self.scenario
+    }
+}
+
 /// The program that made the runs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
@@ -32,7 +45,7 @@ pub struct Program {
 
 #[cfg(test)]
 impl Run {
-    /// Wraps a recording for a test: the scenario `stiff_wall` and a robot without joints.
+    /// Wraps a recording for a test: its built-in scenario, or `stiff_wall` with its name, and a robot without joints.
     pub(crate) fn of(recording: Recording) -> Self {
         let robot = wire::Robot {
             shapes: None,
@@ -44,6 +57,9 @@ impl Run {
             links: Vec::new(),
             chain: None,
         };
-        Self { scenario: Scenario::find("stiff_wall").unwrap(), robot, recording, requests: None }
+        let name = recording.scenario.clone();
+        let scenario =
+            Scenario::find(&name).unwrap_or_else(|_| Scenario { name, ..Scenario::find("stiff_wall").unwrap() });
+        Self { scenario, robot, recording, requests: None }
     }
 }

@@ -32,7 +32,7 @@ pub struct Story {
     pub meaning: Vec<String>,
 }
 
-/// Returns the story; `None` unless both methods ran both experiments at the stiff wall to their end.
+/// Returns the story; `None` unless both methods ran both experiments at the stiff wall, unchanged and to their end.
 #[must_use]
 pub fn of_runs(runs: &[Run]) -> Option<Story> {
     let whole = |name: &str| Scenario::built_in(name)?.ok().map(|scenario| scenario.duration_s);
@@ -40,7 +40,7 @@ pub fn of_runs(runs: &[Run]) -> Option<Story> {
         let runs = runs.chunk_by(|a, b| a.recording.scenario == b.recording.scenario);
         let pair = MethodPair::from_runs(runs.into_iter().find(|runs| runs[0].recording.scenario == name)?)?;
         let is_whole = |run: &Run| Some(run.scenario.duration_s) >= whole(name);
-        (is_whole(pair.reverse) && is_whole(pair.classical)).then_some(pair)
+        (pair.is_built_in() && is_whole(pair.reverse) && is_whole(pair.classical)).then_some(pair)
     };
     let (singular, nominal) = (pair("stiff_wall_singular")?, pair("stiff_wall")?);
     let contact = runs.iter().find(|run| run.recording.scenario == CONTACT_LAW);
@@ -227,6 +227,9 @@ mod tests {
         let mut short = runs();
         short[3].scenario.duration_s = 1.0;
         assert_eq!(of_runs(&short), None);
+        let mut changed = runs();
+        changed[3].scenario.contacts[0].stiffness = 1e4;
+        assert_eq!(of_runs(&changed), None);
         assert!(of_runs(&runs()[..4]).is_some_and(|story| !story.meaning[2].contains("law `contact`")));
     }
 }

@@ -67,8 +67,9 @@ pub fn agreement(runs: &[Run]) -> Vec<String> {
 fn section(runs: &[Run], rows: &[Row]) -> Section {
     let name = &runs[0].recording.scenario;
     let recordings: Vec<&Recording> = runs.iter().map(|run| &run.recording).collect();
+    let of_paper: Vec<&Recording> = runs.iter().filter(|run| run.is_built_in()).map(|run| &run.recording).collect();
     let mut figures: Vec<_> =
-        [Posture::Nominal, Posture::Singular].iter().flat_map(|posture| of_posture(*posture, &recordings)).collect();
+        [Posture::Nominal, Posture::Singular].iter().flat_map(|posture| of_posture(*posture, &of_paper)).collect();
     figures.extend(match recordings[..] {
         [run] => Some(run_figure::of_run(run)),
         _ => comparison_figure::of_scenario(&recordings),

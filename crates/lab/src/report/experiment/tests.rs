@@ -85,3 +85,18 @@ fn scenarios_that_are_not_in_the_paper_have_no_claims() {
     let runs = vec![run("mine", Method::ReversePriority, 30.0, 0.1), run("mine", Method::DampedLeastSquares, 0.0, 0.2)];
     assert!(experiment(runs).report().claims.is_empty());
 }
+
+#[test]
+fn a_changed_scenario_of_the_same_name_has_no_claims_and_no_figures_of_the_paper() {
+    let report = |change: fn(&mut Run)| {
+        let mut runs = [(Method::ReversePriority, 30.0), (Method::DampedLeastSquares, 0.0)]
+            .map(|(method, force)| run("stiff_wall", method, force, 0.1));
+        runs.iter_mut().for_each(change);
+        let report = experiment(runs.to_vec()).report();
+        let has_figure = |figure: &crate::report::figure::Figure| figure.name.starts_with("figure");
+        (report.claims.len(), report.sections[0].figures.iter().any(has_figure))
+    };
+    assert_eq!(report(|_| ()), (2, true));
+    assert_eq!(report(|run| run.scenario.contacts[0].stiffness = 1e4), (0, false));
+    assert_eq!(report(|run| run.scenario.duration_s = 50.0), (0, false));
+}
