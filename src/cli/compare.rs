@@ -87,6 +87,7 @@ impl Kind {
 
 pub fn run(options: &Options) -> Result<(), CliError> {
     let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
+    check_names(&options.scenarios, &scenarios)?;
     let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), CallMode::Session)?;
     let own = options.scenarios.iter().map(|name| runner.scenario(name)).collect::<Result<Vec<_>, _>>()?;
     for scenario in &own {
@@ -120,6 +121,17 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let page = out.join("index.html");
     let written = if outputs.contains(&Output::Page) { &page } else { out };
     print_remark(format_args!("\nwritten: {}", written.display()));
+    Ok(())
+}
+
+/// Checks that no two scenarios have the same name. Recordings are named after it, so one would replace the other.
+fn check_names(given: &[String], scenarios: &[Scenario]) -> Result<(), CliError> {
+    for (i, scenario) in scenarios.iter().enumerate() {
+        if let Some(earlier) = scenarios[..i].iter().position(|other| other.name == scenario.name) {
+            let [first, second] = [&given[earlier], &given[i]].map(String::clone);
+            return Err(CliError::SameName { name: scenario.name.clone(), first, second });
+        }
+    }
     Ok(())
 }
 

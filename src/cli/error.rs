@@ -81,6 +81,19 @@ pub enum CliError {
     /// The demonstration is not valid.
     #[error("the demonstration failed: {}", .0.join("; "))]
     Demo(Vec<String>),
+    /// Two scenarios of a comparison have the same name.
+    #[error(
+        "{first} and {second} have the same name, `{name}`, and their recordings would have the same file names; change \
+         `name` in one of the files, or leave one out"
+    )]
+    SameName {
+        /// The name.
+        name: String,
+        /// The first scenario, as given.
+        first: String,
+        /// The second scenario, as given.
+        second: String,
+    },
     /// No run finished.
     #[error("no run finished, so there is nothing to compare: {0}")]
     NothingToCompare(String),

@@ -118,6 +118,24 @@ fn json_output_has_the_metrics_of_every_run() {
 }
 
 #[test]
+fn scenarios_of_the_same_name_are_refused_before_the_first_run() {
+    let scratch = Scratch::new("compare_same_name");
+    let text = short("stiff_wall", 0.01);
+    let [first, second] = [("first.toml", &text), ("second.toml", &text.replacen("1e5", "1e4", 1))]
+        .map(|(name, text)| scratch.write(name, text));
+    let out = scratch.argument("out");
+    let refusal = |scenarios: [&str; 2]| failure(&[&["compare"], &scenarios[..], &["--out", &out]].concat());
+    let message = refusal([&first, &second]);
+    let words = format!("{first} and {second} have the same name, `stiff_wall`, and");
+    assert!(message.contains(&words) && message.contains("change `name` in one of the files"), "{message}");
+    assert!(refusal(["stiff_wall", &second]).contains("stiff_wall and "));
+    assert!(!Path::new(&out).exists());
+    let other = scratch.write("other.toml", &text.replacen("\"stiff_wall\"", "\"soft wall\"", 1));
+    success(&["compare", &first, &other, "--write", "traces", "--out", &out]);
+    assert!(files(Path::new(&out)).contains(&"soft wall-reverse_priority-auto.csv".to_owned()));
+}
+
+#[test]
 fn errors_name_unknown_methods_scenarios_and_invalid_postures() {
     let unknown = program(&["compare", "stiff_wall", "--methods", "reverse_priority,newton"]).output().unwrap();
     assert_eq!(unknown.status.code(), Some(2));
