@@ -161,3 +161,25 @@ pub enum CliError {
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
 }
+
+impl CliError {
+    /// Returns how to give the program the token of a service that refused a request without it.
+    pub fn advice(&self) -> Option<&'static str> {
+        let (Self::Client(refusal)
+        | Self::RobotArgument(RobotArgumentError::Client(refusal))
+        | Self::Run(RunError::Service { source: refusal, .. })
+        | Self::Replay(ReplayError::Run(RunError::Service { source: refusal, .. }))) = self
+        else {
+            return None;
+        };
+        match refusal {
+            ClientError::Refused { problem, .. } if problem.status == UNAUTHORIZED => Some(TOKEN),
+            _ => None,
+        }
+    }
+}
+
+/// Status of an answer to a request without the right token.
+const UNAUTHORIZED: u16 = 401;
+
+const TOKEN: &str = "set the environment variable REVPRIO_TOKEN_FILE to the path of a file with the token of the service";

@@ -8,6 +8,7 @@ mod error;
 mod experiment;
 mod finite;
 mod known;
+mod log_filter;
 mod one_of;
 mod openapi;
 mod out_directory;
@@ -145,7 +146,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(FAILURE)
         }
         Err(error) => {
-            output::print_remark(format_args!("error: {error}"));
+            let advice = error.advice().map(|advice| format!("; {advice}")).unwrap_or_default();
+            output::print_remark(format_args!("error: {error}{advice}"));
             FAILURE
         }
     }

@@ -48,7 +48,8 @@ pub struct Options {
     /// Noise of a torque reading, rms, N·m
     #[arg(long)]
     torque_noise_nm: Option<f64>,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
+    /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
+    /// left out, the command starts its own
     #[arg(long, value_parser = server_address)]
     server: Option<String>,
     /// Print the answer as JSON

@@ -8,6 +8,7 @@ use revprio_lab::simulator::recording::{Value, cell_text, read};
 use revprio_lab::simulator::replay::{Difference, Replay, replay};
 
 use super::error::CliError;
+use super::finite::not_negative;
 use super::output::print_text;
 use super::progress_bar::progress_bar;
 use super::robot::RobotArgument;
@@ -19,14 +20,15 @@ use crate::service::Robots;
 pub struct Options {
     /// A recording: .csv, .jsonl, .parquet or .mcap
     file: PathBuf,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
+    /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
+    /// left out, the command starts its own
     #[arg(long, conflicts_with = "robot", value_parser = server_address)]
     server: Option<String>,
     /// Robot of the recording, if it is your own
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
     robot: Option<RobotArgument>,
     /// Tolerance for differences of numbers
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     tolerance: f64,
     /// Send the controller's memory with every request instead of using a session
     #[arg(long)]

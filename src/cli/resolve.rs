@@ -17,7 +17,8 @@ use super::text::{columns, judged};
 pub struct Options {
     /// Problem in JSON, as for POST /v1/resolve; `-` reads standard input
     file: PathBuf,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
+    /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
+    /// left out, the command starts its own
     #[arg(long, value_parser = server_address)]
     server: Option<String>,
     /// Print the answer as JSON

@@ -5,7 +5,6 @@ use std::io::{self, IsTerminal, Write as _, stdout};
 use std::sync::Arc;
 
 use revprio_robot::RobotModel;
-use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::prelude::*;
 
@@ -63,9 +62,6 @@ fn announced(argument: &RobotArgument) -> Result<Arc<RobotModel>, CliError> {
 
 /// Starts the log on standard error, which includes panics.
 fn start_log(settings: &EffectiveSettings) -> Result<LogWriter, CliError> {
-    let filter = settings.log_level().parse::<Targets>();
-    let filter = filter
-        .map_err(|_| settings.refused("log_level", "is not a log level; use for example `info` or `revprio=debug`"))?;
     let writer = LogWriter::start(std::io::stderr())?;
     let output = writer.clone();
     let log = layer().with_writer(move || output.clone()).log_internal_errors(false);
@@ -73,7 +69,7 @@ fn start_log(settings: &EffectiveSettings) -> Result<LogWriter, CliError> {
         LogFormat::Text => log.with_ansi(std::io::stderr().is_terminal()).boxed(),
         LogFormat::Json => log.json().boxed(),
     };
-    tracing_subscriber::registry().with(log.with_filter(filter)).init();
+    tracing_subscriber::registry().with(log.with_filter(settings.log_filter())).init();
     std::panic::set_hook(Box::new(|panic| tracing::error!("{panic}")));
     Ok(writer)
 }

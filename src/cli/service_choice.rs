@@ -14,7 +14,8 @@ use crate::service::{InProcess, Robots};
 // Without a group, because it is flattened into options of the same name.
 #[group(skip)]
 pub struct ServiceChoice {
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own on a free port
+    /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
+    /// left out, the command starts its own on a free port
     #[arg(long, value_parser = server_address)]
     pub server: Option<String>,
     /// Call the code of the service as functions, without HTTP

@@ -9,7 +9,9 @@ use clap::{Args, Parser, ValueEnum};
 use revprio_api::wire::read_error::in_plain_words;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
+use tracing_subscriber::filter::{LevelFilter, Targets};
 
+use super::log_filter::log_filter;
 use super::robot::RobotArgument;
 use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError, is_host_name};
 
@@ -18,7 +20,7 @@ use crate::service::{ServiceConfig, Tls, TlsError, Token, TokenError, is_host_na
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Address and port to listen on; port 0 selects a free one [default: 127.0.0.1:8080]
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", value_parser = listen_address)]
     listen: Option<SocketAddr>,
     /// Your own robot, in addition to the built-in ones; may be repeated
     #[arg(long, value_name = RobotArgument::SYNTAX, long_help = RobotArgument::HELP)]
@@ -44,7 +46,7 @@ pub struct Settings {
     /// Format of log lines on standard error [default: text]
     #[arg(long, value_enum)]
     log_format: Option<LogFormat>,
-    /// Log level: error, warn, info, debug (every request), or a filter like `info,revprio=debug` [default: info]
+    /// Log level: off, error, warn, info, debug (every request), trace, or a filter like `info,revprio=debug` [default: info]
     #[arg(long, value_name = "LEVEL")]
     log_level: Option<String>,
     /// Largest request body, bytes [default: 4194304]
@@ -247,9 +249,11 @@ impl EffectiveSettings {
         self.settings.log_format.unwrap_or_default()
     }
 
-    /// Returns the log level.
-    pub fn log_level(&self) -> &str {
-        self.settings.log_level.as_deref().unwrap_or("info")
+    /// Returns which log lines are written.
+    pub fn log_filter(&self) -> Targets {
+        // The text was checked when the settings were combined.
+        let stated = self.settings.log_level.as_deref().and_then(log_filter);
+        stated.unwrap_or_else(|| Targets::new().with_default(LevelFilter::INFO))
     }
 
     /// Returns the configuration of the service; reads token, certificate and key.
@@ -335,6 +339,10 @@ impl Settings {
     }
 }
 
+fn listen_address(text: &str) -> Result<SocketAddr, &'static str> {
+    text.parse().map_err(|_| "give an IP address and a port, for example 127.0.0.1:8080 or [::1]:8080")
+}
+
 fn default_address() -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 1], 8080))
 }
@@ -372,7 +380,7 @@ fn from_text(key: &str, flag: &str, text: &str, variable: &str) -> Result<Value,
     table.get(key).cloned().ok_or_else(|| refused("has no value".to_owned()))
 }
 
-/// Checks numbers, origins and hosts.
+/// Checks numbers, origins, hosts and the log level.
 fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError> {
     /// Largest time in any unit; some months in seconds.
     const MAX_TIME: f64 = 1e7;
@@ -390,6 +398,10 @@ fn check(key: &str, value: &Value, origin: &Origin) -> Result<(), SettingsError>
             if key == "allow_host" && !hosts.iter().all(|host| host.as_str().is_some_and(is_host_name)) =>
         {
             "a host is a name or an address without scheme, port and path, for example cell-4.example"
+        }
+        Value::String(level) if key == "log_level" && log_filter(level).is_none() => {
+            "is not a log level: give off, error, warn, info, debug or trace, or a filter of targets and levels, for \
+             example `info,revprio=debug`"
         }
         _ => return Ok(()),
     };

@@ -46,7 +46,8 @@ pub struct Options {
     /// The states have no measured velocity, so that the law damps the commanded velocity
     #[arg(long)]
     velocity_not_measured: bool,
-    /// Service to call, for example http://127.0.0.1:8080; if left out, the command starts its own
+    /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
+    /// left out, the command starts its own
     #[arg(long, value_parser = server_address)]
     server: Option<String>,
 }

@@ -39,7 +39,8 @@ pub struct Options {
     /// Run each combination with each of these seeds, for example 0..99
     #[arg(long)]
     seeds: Option<Seeds>,
-    /// Service to call over HTTP, for example http://127.0.0.1:8080; if left out, each cell starts its own on a free port
+    /// Service to call over HTTP, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is
+    /// set; if left out, each cell starts its own on a free port
     #[arg(long, value_parser = server_address)]
     server: Option<String>,
     /// Number of threads; 0 means one per core

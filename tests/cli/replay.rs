@@ -50,6 +50,15 @@ fn replay_reports_a_different_answer() {
 }
 
 #[test]
+fn tolerances_that_are_no_numbers_or_negative_are_refused() {
+    for tolerance in ["nan", "-1", "inf", "-0.1", "much"] {
+        let output = program(&["replay", "run.csv", "--tolerance", tolerance]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{tolerance}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("give a finite number from 0 on"), "{tolerance}");
+    }
+}
+
+#[test]
 fn error_names_a_file_that_is_not_a_recording() {
     let scratch = Scratch::new("replay_refused");
     let output = program(&["replay", &scratch.write("run.mcap", "nothing")]).output().unwrap();

@@ -102,6 +102,14 @@ fn serve_refuses_unsafe_settings() {
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--token-file", &empty]).contains("is empty"));
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--tls-cert", &empty]).contains("needs tls_key"));
     assert!(failure(&["serve", "--listen", "127.0.0.1:0", "--log-level", "a=b=c"]).contains("log_level"));
+    for level in ["warning", "bogus", ""] {
+        let message = failure(&["serve", "--listen", "127.0.0.1:0", "--log-level", level]);
+        assert!(message.contains("log_level, set by flag: is not a log level: give off, error, warn,"), "{message}");
+    }
+    let output = program(&["serve", "--listen", "localhost:8080"]).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(message.contains("give an IP address and a port, for example 127.0.0.1:8080"), "{message}");
 }
 
 #[test]

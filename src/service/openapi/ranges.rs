@@ -15,7 +15,7 @@ use revprio_core::streaming::{
 use revprio_core::surface::SurfaceSettings;
 use revprio_core::wrench::MIN_TARE_READINGS;
 use revprio_lab::simulator::{
-    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop,
+    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop, name_pattern,
 };
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
@@ -330,6 +330,7 @@ fn target_ranges() -> Vec<FieldRange> {
 fn scenario_ranges() -> Vec<FieldRange> {
     field_ranges! {
         Scenario {
+            name: Pattern(name_pattern()),
             duration_s: Positive,
             start_joint_position: Items(1, MAX_JOINTS),
             contacts: Items(0, 100),

@@ -20,6 +20,8 @@ pub const ROWS: &[Row] = &[
     ("/interactive", r#"{"speed": "fast"}"#, 422, "/interactive/speed"),
     ("/interactive", r#"{"pause": true}"#, 422, "/interactive/pause"),
     ("/scenario/name", OMITTED, 422, "/scenario"),
+    ("/scenario/name", r#""../../evil""#, 422, "/scenario/name"),
+    ("/scenario/name", r#""""#, 422, "/scenario/name"),
     ("/scenario/duration_s", "0", 422, "/scenario/duration_s"),
     ("/scenario/duration_s", "-1", 422, "/scenario/duration_s"),
     ("/scenario/duration_s", "1e9", 422, "/scenario/duration_s"),

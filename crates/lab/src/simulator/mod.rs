@@ -30,6 +30,7 @@ mod request;
 mod run;
 mod run_error;
 mod scenario;
+mod scenario_name;
 mod sensors;
 mod shape;
 mod stateless;
@@ -52,6 +53,7 @@ pub use request::{NamedScenario, ScenarioEntry, ScenarioList, SimulationRequest}
 pub use run::{SteppedRun, built_in_robot, run, run_operated, run_robot};
 pub use run_error::RunError;
 pub use scenario::{BUILT_IN_SCENARIOS, PAPER_SCENARIOS, Scenario, ScenarioError};
+pub use scenario_name::name_pattern;
 pub use sensors::{Sensor, Sensors};
 pub use stateless::Cycle;
 pub use target_program::TargetProgram;

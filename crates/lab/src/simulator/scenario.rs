@@ -14,6 +14,7 @@ use super::faults::Faults;
 use super::field_error::{FieldError, between, number, positive};
 use super::moving_obstacles::{MovingObstacles, ObstacleMotion};
 use super::profile::external_wrench;
+use super::scenario_name::check_name;
 use super::sensors::{Sensing, Sensors};
 use super::shape::share_along;
 use super::target_program::{TargetProgram, TargetPrograms};
@@ -267,6 +268,7 @@ impl Scenario {
 
     /// Checks all values except those of the controller, which the service checks. Returns the first error.
     pub fn check(&self) -> Result<(), FieldError> {
+        check_name(&self.name, "/name")?;
         positive(self.period_s(), "/controller/period_s")?;
         if !(0.5..=1e8).contains(&(self.duration_s / self.period_s())) {
             return Err(FieldError::new("/duration_s", "must be positive and at most 10^8 periods long"));
@@ -308,6 +310,8 @@ mod tests {
         };
         assert!(refusal("duration_s", "durations").contains("line "));
         assert!(refusal("duration_s = 20.0", "duration_s = -1.0").contains("mine.toml, line 5: `duration_s` must be"));
+        let named = refusal("name = \"force_tracking\"", "name = \"../../evil\"");
+        assert!(named.contains("mine.toml, line 3: `name` becomes a part of file names: give 1 to 80"), "{named}");
         let stiffness = refusal("stiffness = 1000.0", "stiffness = -1.0");
         assert!(stiffness.contains("line 11: `contacts.0.stiffness` must not be negative"), "{stiffness}");
         assert!(Scenario::find("force_trackin").unwrap_err().to_string().contains("known: force_tracking,"));

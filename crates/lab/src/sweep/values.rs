@@ -74,7 +74,12 @@ fn spaced(range: &str, between: impl Fn(f64, f64, f64) -> f64) -> Result<Vec<Val
     let (from, to) = ends.split_once("..").ok_or_else(wrong)?;
     let number = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(wrong);
     let (from, to) = (number(from)?, number(to)?);
-    let count: usize = count.parse().ok().filter(|count| (1..=MAX_VALUES).contains(count)).ok_or_else(wrong)?;
+    if count.is_empty() || !count.bytes().all(|digit| digit.is_ascii_digit()) {
+        return Err(wrong());
+    }
+    // A number that is too large to parse is above the maximum too.
+    let count = count.parse().ok().filter(|count| (1..=MAX_VALUES).contains(count));
+    let count = count.ok_or_else(|| format!("`{range}`: COUNT must be from 1 to {MAX_VALUES}"))?;
     let at = |i: usize| match i {
         0 => from,
         i if i + 1 == count => to,
@@ -117,8 +122,11 @@ impl FromStr for Seeds {
         let (first, last) = text.split_once("..").unwrap_or((text, text));
         let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is not a seed; write 0..99 or 3"));
         let seeds = Self { first: number(first)?, last: number(last)? };
-        if seeds.first > seeds.last || seeds.last - seeds.first >= MAX_VALUES as u64 {
+        if seeds.first > seeds.last {
             return Err(format!("`{text}` is not a range of seeds; write 0..99"));
+        }
+        if seeds.last - seeds.first >= MAX_VALUES as u64 {
+            return Err(format!("`{text}` has too many seeds; give at most {MAX_VALUES}"));
         }
         Ok(seeds)
     }
@@ -145,6 +153,17 @@ mod tests {
         let values = "solver=auto,qp,1,.5,true".parse::<Variation>().unwrap().values;
         assert_eq!(values, [Value::from("auto"), "qp".into(), 1.into(), 0.5.into(), true.into()]);
         assert_eq!("0..2".parse::<Seeds>().unwrap().variation().values, [0, 1, 2]);
+    }
+
+    #[test]
+    fn too_many_values_are_refused_with_the_maximum() {
+        for count in ["0", "1000001", "1000000000", "99999999999999999999999"] {
+            let refusal = format!("a=lin:0..1:{count}").parse::<Variation>().unwrap_err();
+            assert_eq!(refusal, format!("`0..1:{count}`: COUNT must be from 1 to 1000000"));
+        }
+        assert_eq!("a=lin:0..1:1000000".parse::<Variation>().unwrap().values.len(), 1_000_000);
+        let refusal = "0..99999999999".parse::<Seeds>().unwrap_err();
+        assert_eq!(refusal, "`0..99999999999` has too many seeds; give at most 1000000");
     }
 
     #[test]
