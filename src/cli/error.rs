@@ -182,4 +182,5 @@ impl CliError {
 /// Status of an answer to a request without the right token.
 const UNAUTHORIZED: u16 = 401;
 
-const TOKEN: &str = "set the environment variable REVPRIO_TOKEN_FILE to the path of a file with the token of the service";
+const TOKEN: &str =
+    "set the environment variable REVPRIO_TOKEN_FILE to the path of a file with the token of the service";

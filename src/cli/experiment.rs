@@ -66,7 +66,7 @@ impl ExperimentRunner {
         let created = match calls.create_controller(&scenario.controller_in_environment()) {
             Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
                 print_remark(format_args!("warning: stability is not checked: {}", problem.detail));
-                return Ok(());
+                calls.create_controller(&scenario.controller)?
             }
             created => created?,
         };

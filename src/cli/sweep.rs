@@ -8,6 +8,7 @@
 //! Every cell starts its own service on a loopback port, or all call `--server`. Cells are independent, so the table does
 //! not depend on the number of threads or on the division into shards.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -62,6 +63,9 @@ pub struct Options {
 
 /// Largest number of cells that are printed; the file has all.
 const SHOWN_CELLS: usize = 20;
+
+/// Number of causes that are printed why cells have no measures.
+const SHOWN_CAUSES: usize = 10;
 
 /// Largest width of a column's head.
 const LONGEST_HEAD: usize = 16;
@@ -135,7 +139,7 @@ fn run_cells(
     label: &str,
 ) -> Result<Rows, CliError> {
     let bar: ProgressBar = progress_bar(cells.len() as u64, label);
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads.min(cells.len().max(1))).build();
     let threads = threads.map_err(|error| CliError::Sweep(error.to_string()))?;
     let rows = threads.install(|| {
         // One cell at a time, because cells take long and their times differ.
@@ -174,11 +178,27 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
         outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
     print_text(table(&variations, &options.draw, &kinds, &whole.rows))?;
     print_text(format_args!("{} cells: {}\n", whole.rows.len(), outcomes.join(", ")))?;
+    print_text(causes(&kinds, &whole.rows))?;
     print_text(format_args!("table: {}\n", path.display()))?;
     for figure in drawn {
         print_text(format_args!("figure: {}\n", figure.display()))?;
     }
     Ok(())
+}
+
+/// Formats why cells were refused or failed: each cause once, with the number of its cells.
+fn causes(kinds: &[(String, Kind)], rows: &Rows) -> String {
+    let place = kinds.iter().position(|(name, _)| name == "error");
+    let words = rows.values().filter_map(|row| match row.get(place?)? {
+        Value::Word(word) if !word.is_empty() => Some(word.as_str()),
+        _ => None,
+    });
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    words.for_each(|word| *counts.entry(word).or_default() += 1);
+    let line = |(cause, count): (&str, usize)| format!("  {count} of them: {cause}\n");
+    let rest = counts.len().saturating_sub(SHOWN_CAUSES);
+    let more = if rest > 0 { format!("  … and {rest} more causes\n") } else { String::new() };
+    counts.into_iter().take(SHOWN_CAUSES).map(line).collect::<String>() + &more
 }
 
 /// Formats the varied quantities, the outcome and the drawn measures of the first cells.

@@ -163,7 +163,10 @@ fn simulate_warns_about_an_unstable_contact() {
     };
     let warned = warnings("lag.toml", &lag(0, 0.005));
     assert!(warned.contains("warning: task `push`, axis x: ") && warned.contains("unstable"), "{warned}");
-    assert!(warnings("far.toml", &lag(40, 0.0)).contains("warning: stability is not checked"));
+    // Where stability is not checked, all else is.
+    let grams = "[controller.wrench_sensor]\npayload = {mass_kg = 200.0}\n";
+    let warned = warnings("far.toml", &(lag(40, 0.0) + grams));
+    assert!(warned.contains("warning: stability is not checked") && warned.contains("200 kg are more"), "{warned}");
     assert!(!warnings("calm.toml", &push("planar_3r")).contains("warning"));
 }
 

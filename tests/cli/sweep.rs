@@ -89,6 +89,9 @@ fn failed_cells_are_rows_of_the_table() {
     let said = sweep(&[&[&file, "--out", &scratch.argument("out")][..], &vary].concat());
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines[5], "4 cells: 1 finished, 3 refused", "{said}");
+    // Two causes: the mass, and the wall.
+    assert!(lines[6].starts_with("  ") && lines[6].contains(" of them: ") && lines[7].contains(" of them: "), "{said}");
+    assert!(lines[6..8].iter().any(|line| line.contains("inertia")), "{said}");
     assert!(lines[1].contains("refused") && lines[4].contains("finished"), "{said}");
     assert!(lines[..5].iter().all(|line| line.chars().count() <= 100), "{said}");
 }

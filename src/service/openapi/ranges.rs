@@ -15,7 +15,8 @@ use revprio_core::streaming::{
 use revprio_core::surface::SurfaceSettings;
 use revprio_core::wrench::MIN_TARE_READINGS;
 use revprio_lab::simulator::{
-    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop, name_pattern,
+    Contact, Edge, Faults, Friction, Hinge, Hole, Outage, Scenario, Sensor, Sensors, TargetProgram, VelocityLoop,
+    name_pattern,
 };
 use revprio_robot::collision::MAX_CAPSULES;
 use serde_json::{Value, json};
