@@ -64,7 +64,7 @@ pub struct Settings {
     /// Time after which an unused session or registered robot is removed, s [default: 900]
     #[arg(long, value_name = "SECONDS")]
     session_idle_s: Option<f64>,
-    /// Largest number of connections; a further one closes the connection that is idle for longest [default: 1000]
+    /// Largest number of connections; a further one closes the one that is idle for longest; a stream only after 30 s without a state [default: 1000]
     #[arg(long, value_name = "COUNT")]
     max_connections: Option<usize>,
     /// Largest waiting time of a request; later requests get 503 at once, ms [default: 10]

@@ -16,6 +16,9 @@ use tokio::time::{Instant, Sleep};
 const LOOP_CALLS: u64 = 8;
 const LOOP_PAUSE: Duration = Duration::from_secs(1);
 
+/// A stream without a state for so long may be closed for another connection.
+const STREAM_PAUSE: Duration = Duration::from_secs(30);
+
 /// All open connections.
 #[derive(Debug)]
 pub struct Connections {
@@ -40,23 +43,40 @@ struct Entry {
 
 /// The task that serves a connection: at first that of its requests, after an upgrade that of its stream.
 #[derive(Debug, Clone, Default)]
-pub struct ServingTask(Arc<Mutex<Option<AbortHandle>>>);
+pub struct ServingTask(Arc<Mutex<Serving>>);
+
+#[derive(Debug, Default)]
+struct Serving {
+    task: Option<AbortHandle>,
+    /// When the last state came, or the stream began; `None`: it is no stream.
+    last_state: Option<Instant>,
+}
 
 impl ServingTask {
     /// Sets the task.
     pub fn set(&self, task: AbortHandle) {
-        *self.lock() = Some(task);
+        self.lock().task = Some(task);
+    }
+
+    /// Notes that a state has come, or that a stream begins.
+    pub fn note_state(&self) {
+        self.lock().last_state = Some(Instant::now());
     }
 
     fn is_running(&self) -> bool {
-        self.lock().as_ref().is_some_and(|task| !task.is_finished())
+        self.lock().task.as_ref().is_some_and(|task| !task.is_finished())
+    }
+
+    /// Returns when the last state came to the stream; `None`: it is no stream.
+    fn last_state(&self) -> Option<Instant> {
+        self.lock().last_state
     }
 
     fn abort(&self) {
-        self.lock().as_ref().inspect(|task| task.abort());
+        self.lock().task.as_ref().inspect(|task| task.abort());
     }
 
-    fn lock(&self) -> MutexGuard<'_, Option<AbortHandle>> {
+    fn lock(&self) -> MutexGuard<'_, Serving> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -79,7 +99,8 @@ impl Connections {
     /// connection could be closed.
     ///
     /// The connection without an answer for the longest time is closed: a client that sends its request slowly, or an idle
-    /// one, never a client in a control loop: a flood of connections within one period must not close it.
+    /// one, never a client in a control loop: a flood of connections within one period must not close it. Streams come last, and only
+    /// those without a state for [`STREAM_PAUSE`]: an arm may stand for a while.
     pub fn add(self: &Arc<Self>) -> Option<(Slot, bool)> {
         let full = self.count() >= self.limit;
         if full && !self.close_oldest() {
@@ -95,9 +116,14 @@ impl Connections {
     pub fn close_oldest(&self) -> bool {
         let mut open = self.open();
         let now_ms = self.now_ms();
-        let closable = |entry: &Entry| entry.task.is_running() && !entry.is_in_loop(now_ms);
-        let oldest = open.iter().filter(|(_, entry)| closable(entry));
-        let oldest = oldest.min_by_key(|(_, entry)| entry.answered.load(Ordering::Relaxed)).map(|(&id, _)| id);
+        let is_idle = |entry: &Entry| match entry.task.last_state() {
+            Some(last) => last.elapsed() >= STREAM_PAUSE,
+            None => !entry.is_in_loop(now_ms),
+        };
+        let idle = open.iter().filter(|(_, entry)| entry.task.is_running() && is_idle(entry));
+        // No stream is before every stream.
+        let oldest = idle.min_by_key(|(_, entry)| (entry.task.last_state(), entry.answered.load(Ordering::Relaxed)));
+        let oldest = oldest.map(|(&id, _)| id);
         let Some(entry) = oldest.and_then(|id| open.remove(&id)) else { return false };
         entry.task.abort();
         true
@@ -233,5 +259,36 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
 
     fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context) -> Poll<io::Result<()>> {
         Pin::new(&mut self.stream).poll_shutdown(context)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Adds a connection whose task runs, as a stream without a state for a time if there is one.
+    fn add(all: &Arc<Connections>, pause: Option<u64>) -> Option<(Slot, ServingTask)> {
+        let (slot, _) = all.add()?;
+        let task = slot.task();
+        task.set(tokio::spawn(std::future::pending::<()>()).abort_handle());
+        task.lock().last_state = pause.and_then(|pause| Instant::now().checked_sub(Duration::from_secs(pause)));
+        Some((slot, task))
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn streams_are_closed_last_and_only_after_a_long_pause() {
+        tokio::time::advance(Duration::from_secs(1000)).await;
+        let all = Connections::new(4);
+        let [long, longer, short] = [40, 50, 2].map(|pause| add(&all, Some(pause)).unwrap());
+        let plain = add(&all, None).unwrap();
+        let is_open = |slot: &Slot| all.open().contains_key(&slot.id);
+        let second = add(&all, Some(0)).unwrap();
+        assert!(!is_open(&plain.0) && is_open(&longer.0), "the plain connection is the first");
+        let third = add(&all, Some(0)).unwrap();
+        assert!(!is_open(&longer.0) && is_open(&long.0), "then the stream with the longest pause");
+        let fourth = add(&all, Some(0)).unwrap();
+        assert!(!is_open(&long.0) && is_open(&short.0));
+        assert!(add(&all, None).is_none(), "streams in use stay open");
+        drop((second, third, fourth));
     }
 }

@@ -71,7 +71,7 @@ const SILENT: CloseReason = CloseReason(4408, "the client was silent for too lon
 /// connection from then on.
 pub fn accept(
     upgrade: WebSocketUpgrade,
-    task: Option<ServingTask>,
+    task: ServingTask,
     app: Arc<AppState>,
     (id, life): (String, Life),
     owner: Owner,
@@ -87,9 +87,10 @@ pub fn accept(
         let is_binary = socket.protocol().map(HeaderValue::as_bytes) == Some(MESSAGE_PACK.as_bytes());
         let format = if is_binary { Format::MessagePack } else { Format::Json };
         let source = Source::Stream(NEXT_STREAM.fetch_add(1, Ordering::Relaxed));
-        let stream = Stream { socket, app, id, owner, source, format };
+        task.note_state();
+        let stream = Stream { socket, app, id, owner, source, format, task: task.clone() };
         let serving = tokio::spawn(stream.serve(draining, life));
-        task.inspect(|task| task.set(serving.abort_handle()));
+        task.set(serving.abort_handle());
         let _ = serving.await;
     })
 }
@@ -101,6 +102,7 @@ struct Stream {
     owner: Owner,
     source: Source,
     format: Format,
+    task: ServingTask,
 }
 
 impl Stream {
@@ -147,6 +149,7 @@ impl Stream {
                 Some(Ok(Message::Close(_))) | None => return Ok(()),
                 Some(Err(_)) => return Err(UNREADABLE),
             };
+            self.task.note_state();
             let (answer, close_reason) = self.answer(&bytes, is_text).await.map_err(|_| INTERNAL)?;
             if self.send(answer).await.is_err() {
                 return Ok(());

@@ -1,10 +1,8 @@
 //! A session over WebSocket.
 
-use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use revprio::service::ServiceConfig;
 use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::CloseFrame;
@@ -234,21 +232,4 @@ fn a_stream_without_states_ends_with_its_controller() {
     let mut client = Client::open(&service, &session, None);
     service.delete(&session);
     assert_eq!(u16::from(client.close_frame().code), 4404);
-}
-
-/// Streams that nobody uses would refuse all other clients.
-#[test]
-fn one_connection_too_many_closes_an_idle_stream() {
-    let service = Service::with(ServiceConfig { max_connections: 3, ..ServiceConfig::default() });
-    let session = service.open(&example("controller.json"));
-    let mut idle = Client::open(&service, &session, None);
-    let mut busy = Client::open(&service, &session, None);
-    for sequence in 0..10 {
-        busy.call(&state(sequence).to_string());
-    }
-    let _others: Vec<TcpStream> = (0..2).map(|_| service.connect()).collect();
-    idle.socket.get_ref().set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-    let Err(end) = idle.socket.read() else { panic!("a message without a state") };
-    assert!(!matches!(&end, tungstenite::Error::Io(error) if error.kind() == ErrorKind::WouldBlock), "{end}");
-    assert_eq!(busy.call(&state(10).to_string())["sequence"], 10);
 }

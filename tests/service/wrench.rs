@@ -174,8 +174,15 @@ fn a_tare_that_contradicts_the_session_is_refused_or_warned_of() {
     put(&pressing);
     (200..210).for_each(|sequence| step(sequence, 15.0));
     tare().assert_refused(422, Some("/readings"));
+    // Along another axis the law sees nothing of the surface, which is still there.
+    let mut turned = pressing.clone();
+    turned["tasks"][0]["axes"] = json!(["x"]);
+    put(&turned);
+    (210..230).for_each(|sequence| step(sequence, 15.0));
+    tare().assert_refused(422, Some("/readings"));
+    put(&pressing);
     // The tool leaves the surface.
-    (210..260).for_each(|sequence| step(sequence, 0.0));
+    (230..280).for_each(|sequence| step(sequence, 0.0));
     assert_eq!(tare().status, 200);
 
     let mut bounded = controller(&json!({}));

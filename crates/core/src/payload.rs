@@ -32,7 +32,7 @@ const GRAVITY_TOLERANCE: f64 = 2e-3;
 const MAX_RESIDUAL: f64 = 3.0;
 
 /// Largest distance of a centre of mass from its sensor, m. Torques in N·mm give a thousand times the true one.
-const FARTHEST_CENTER: f64 = 5.0;
+const FARTHEST_CENTER: f64 = 2.0;
 
 /// Payload and bias.
 #[derive(Debug, Clone, Copy, PartialEq)]

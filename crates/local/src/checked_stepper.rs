@@ -122,8 +122,8 @@ impl PreparedController {
 }
 
 /// Why a session whose law presses is not tared.
-const TARE_IN_CONTACT: &str = "the law `contact` of this controller presses on a surface, so that would count as bias; move the tool away \
-    from what it touches first";
+const TARE_IN_CONTACT: &str = "the law `contact` of this session presses on a surface, or did so before the last `PUT`, so that would count as \
+    bias; move the tool away from what it touches first";
 
 /// A controller from state to state: the memory of its last step, and the state to compare the next one with.
 pub struct ControlLoop {
@@ -131,14 +131,42 @@ pub struct ControlLoop {
     memory: Option<Memory>,
     last_state: Option<LastState>,
     answers: RecentAnswers,
-    /// Whether a controller before this one pressed, and this one has touched ever since.
-    has_pressed: bool,
+    /// What a controller before this one pressed with; `None` once the surface is lost.
+    pressed: Option<Pressed>,
+    /// The wrenches of the last state.
+    wrenches: Vec<f64>,
 }
+
+/// A tool that pressed before another controller came, of which the new controller may know nothing.
+struct Pressed {
+    /// The largest force, N or N·m.
+    force: f64,
+    /// The wrenches of the last state before that.
+    wrenches: Vec<f64>,
+}
+
+impl Pressed {
+    /// Returns whether wrenches are still those of the surface.
+    fn lasts(&self, wrenches: &[f64]) -> bool {
+        let changes = self.wrenches.iter().zip(wrenches).map(|(before, now)| before - now);
+        changes.fold(0.0, f64::hypot) < LOST_SHARE * self.force
+    }
+}
+
+/// Share of the force of a contact by which the wrench changes if the surface is lost.
+const LOST_SHARE: f64 = 0.5;
 
 impl ControlLoop {
     /// Starts without memory.
     pub fn new(stepper: CheckedStepper) -> Self {
-        Self { stepper, memory: None, last_state: None, answers: RecentAnswers::default(), has_pressed: false }
+        Self {
+            stepper,
+            memory: None,
+            last_state: None,
+            answers: RecentAnswers::default(),
+            pressed: None,
+            wrenches: Vec::new(),
+        }
     }
 
     /// Returns the controller.
@@ -155,7 +183,10 @@ impl ControlLoop {
             _ => new.check_transition(old).map(|()| None),
         };
         let continued = continued.map_err(|error| convert::transition_error(&error))?;
-        self.has_pressed = self.presses_surely();
+        if let Some(memory) = self.memory.as_ref().filter(|_| self.pressed.is_none() && self.presses_surely()) {
+            let force = memory.contacts.iter().map(|axis| axis.force.abs()).fold(0.0, f64::max);
+            self.pressed = Some(Pressed { force, wrenches: self.wrenches.clone() });
+        }
         (self.memory, self.stepper) = (continued, stepper);
         Ok(())
     }
@@ -164,7 +195,7 @@ impl ControlLoop {
     /// frame than the one before.
     fn presses_surely(&self) -> bool {
         let config = self.controller().config();
-        self.has_pressed || self.memory.as_ref().is_some_and(|memory| config.presses_surely(&memory.contacts))
+        self.pressed.is_some() || self.memory.as_ref().is_some_and(|memory| config.presses_surely(&memory.contacts))
     }
 
     /// Tares a wrench sensor. The next state gets its bias; all else that the controller remembers stays. `controller`: that of the
@@ -242,9 +273,13 @@ impl ControlLoop {
     }
 
     fn remember(&mut self, sequence: u64, measurement: Measurement) {
-        let Measurement { time_s, joint_position, .. } = measurement;
         let touches = |memory: &Memory| memory.contacts.iter().any(|axis| axis.phase == ContactPhase::Contact);
-        self.has_pressed &= self.memory.as_ref().is_some_and(touches);
+        let touches = self.memory.as_ref().is_some_and(touches);
+        self.wrenches.clear();
+        let others = measurement.wrenches.iter().flat_map(|measured| measured.wrench);
+        self.wrenches.extend(measurement.wrench.into_iter().chain(others));
+        self.pressed.take_if(|pressed| !pressed.lasts(&self.wrenches) && !touches);
+        let Measurement { time_s, joint_position, .. } = measurement;
         self.last_state = Some(LastState { sequence, time_s, joint_position });
     }
 }

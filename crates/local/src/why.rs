@@ -201,11 +201,13 @@ impl Explained<'_> {
 
     /// Returns which tasks a retreat has released, and which contacts miss their force.
     fn contacts(&self) -> Vec<String> {
-        let released = self.tasks.iter().filter_map(|task| Some((task.name, task.released_by?)));
+        let retreats = |task: &NamedTask| task.contacts.iter().any(|axis| matches!(axis.phase, ContactPhase::Fault(_)));
+        let released = self.tasks.iter().filter(|task| !retreats(task));
+        let released = released.filter_map(|task| Some((task.name, task.released_by?)));
         let released = released.map(|(task, faulty)| {
             format!("task `{task}` asks for nothing, because task `{faulty}` has given its contact up")
         });
-        let pressing = self.tasks.iter().filter(|task| task.released_by.is_none());
+        let pressing = self.tasks.iter().filter(|task| task.released_by.is_none() || retreats(task));
         let missing = pressing.flat_map(|task| {
             task.contacts.iter().zip(&task.units).filter_map(|(axis, unit)| missing_force(task.name, axis, *unit))
         });
@@ -302,7 +304,9 @@ impl Explained<'_> {
     /// Returns the singularities that tasks give way to.
     fn singularities(&self) -> Vec<String> {
         let tasks = self.tasks.iter().zip(&self.resolution.tasks);
-        let deficient = tasks.filter(|(task, outcome)| outcome.rank < task.units.len());
+        let deficient = tasks.filter(|(task, outcome)| task.released_by.is_none() && outcome.rank < task.units.len());
+        // The singular values are those of all tasks, also of tasks that were not in the problem.
+        let is_whole = self.tasks.iter().all(|task| task.released_by.is_none());
         let mut sentences: Vec<String> = deficient
             .map(|(task, outcome)| {
                 let rows = task.units.len();
@@ -316,6 +320,7 @@ impl Explained<'_> {
         if singularity.algorithmic {
             sentences.push("the tasks are in conflict".to_owned());
         } else if sentences.is_empty()
+            && is_whole
             && let Some(threshold) = self.threshold
             && singularity.smallest_singular_value() < threshold
         {

@@ -133,7 +133,7 @@ pub async fn stream_controller(
 ) -> Result<Response, ApiError> {
     let life = app.sessions.life(&id, &owner).await?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
-    let task = extensions.get().cloned();
+    let task = extensions.get().cloned().unwrap_or_default();
     Ok(stream::accept(upgrade, task, app, (id, life), owner))
 }
 

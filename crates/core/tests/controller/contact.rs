@@ -14,7 +14,7 @@ use revprio_robot::{RobotModel, built_in};
 
 use super::arms::{NOMINAL, Random, config, constant, controller, position, sawyer, task};
 use super::drives::LaggingArm;
-use super::two_arms::{HOME, two_pandas};
+use super::two_arms::{HOME, two_pandas, two_pandas_on_a_waist};
 
 /// T, s.
 const PERIOD: f64 = 0.002;
@@ -248,33 +248,73 @@ fn a_fault_below_does_not_keep_a_contact_from_its_own_retreat() {
     assert!(world.force[0].abs() < 1.0 && world.peak[0] < 60.0, "{:?} {:?}", world.force, world.peak);
 }
 
-/// The other arm shares no joint with the tool that retreats.
+/// The other arm shares no joint with the tool that retreats, or a waist that the retreat does not need.
 #[test]
 fn a_retreat_leaves_the_tasks_of_the_other_arm_alone() {
-    let robot = two_pandas();
     let settings = ContactSettings { max_force: 40.0, ..ContactSettings::default() };
-    let of = |tip: &str, axes: &[Axis], law: Law| {
-        let body = Some(TaskBody { body: BodyFrame::from(robot.tip(tip).unwrap()), relative_to: None });
-        let rows = ToolRows {
-            frame: TaskFrame { body, ..TaskFrame::default() },
-            ..ToolRows::new(AxisSelection::new(axes).unwrap())
+    for robot in [two_pandas(), two_pandas_on_a_waist()] {
+        let of = |tip: &str, axes: &[Axis], law: Law| {
+            let body = Some(TaskBody { body: BodyFrame::from(robot.tip(tip).unwrap()), relative_to: None });
+            let frame = TaskFrame { body, ..TaskFrame::default() };
+            let rows = ToolRows { frame, ..ToolRows::new(AxisSelection::new(axes).unwrap()) };
+            TaskConfig { name: format!("{tip} {axes:?}"), rows: TaskRows::Tool(rows), ..task(axes, law) }
         };
-        TaskConfig { name: format!("{tip} {axes:?}"), rows: TaskRows::Tool(rows), ..task(axes, law) }
-    };
-    let tasks = vec![
-        of("right", &[Axis::Z], contact(&[-30.0], settings)),
-        of("left", &[Axis::X], position(1, 3.0)),
-        of("left", &[Axis::Z], contact(&[-30.0], settings)),
-    ];
-    let mut world = World::new(&robot, &HOME, pressing(&robot, tasks), &[]);
+        let tasks = vec![
+            of("right", &[Axis::Z], contact(&[-30.0], settings)),
+            of("left", &[Axis::X], position(1, 3.0)),
+            of("left", &[Axis::Z], contact(&[-30.0], settings)),
+        ];
+        let waist = vec![0.0; robot.joint_count() - HOME.len()];
+        let mut world = World::new(&robot, &[&waist, &HOME[..]].concat(), pressing(&robot, tasks), &[]);
+        let mut measured = world.arm.measure(0.0);
+        // The left tool, which is the first tip, presses too hard.
+        measured.wrench[2] = -80.0;
+        let command = world.stepper.step(&mut world.memory, &measured).unwrap();
+        let released: Vec<_> = command.targets.iter().map(|target| target.released_by).collect();
+        assert_eq!(released, [None, Some(2), None]);
+        let approach = &command.resolution.tasks[0].achieved;
+        assert!(approach[0] < 0.0 && (approach[0] - command.targets[0].velocity[0]).abs() < 1e-9, "{approach:?}");
+    }
+}
+
+/// Of a task that retreats along one axis above another retreat, the other axes are released.
+#[test]
+fn only_the_axes_that_retreat_stay_above_another_retreat() {
+    let robot = sawyer();
+    let limit = |max_force: f64| ContactSettings { max_force, ..ContactSettings::default() };
+    let above = ContactLaw::new(constant(&[20.0, -20.0]), vec![limit(40.0); 2]).unwrap();
+    let tasks = vec![task(&[Axis::X, Axis::Z], Law::Contact(above)), task(&[Axis::Y], contact(&[20.0], limit(40.0)))];
+    let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &[]);
     let mut measured = world.arm.measure(0.0);
-    // The left tool, which is the first tip, presses too hard.
-    measured.wrench[2] = -80.0;
+    measured.wrench = [80.0, 80.0, 0.0, 0.0, 0.0, 0.0];
     let command = world.stepper.step(&mut world.memory, &measured).unwrap();
-    let released: Vec<_> = command.targets.iter().map(|target| target.released_by).collect();
-    assert_eq!(released, [None, Some(2), None]);
-    let approach = &command.resolution.tasks[0].achieved;
-    assert!(approach[0] < 0.0 && (approach[0] - command.targets[0].velocity[0]).abs() < 1e-9, "{approach:?}");
+    assert_eq!(command.targets[0].released_by, Some(1));
+    let [above, below] = [0, 1].map(|k| command.targets[k].velocity.as_slice().to_vec());
+    assert!(above[0] < 0.0 && above[1] == 0.0 && below[0] < 0.0, "{above:?} {below:?}");
+    let achieved = &command.resolution.tasks;
+    assert!(achieved[0].achieved[0] < 0.0 && achieved[1].achieved[0] < 0.0, "{achieved:?}");
+}
+
+/// A retreat ends at what it meets.
+#[test]
+fn a_retreat_does_not_press_on_what_is_behind_the_tool() {
+    let robot = sawyer();
+    for (gap, most) in [(0.004, 40.0), (0.02, 1.0), (0.03, 1.0)] {
+        let settings = ContactSettings { approach_speed: Some(0.03), max_force: 60.0, ..ContactSettings::default() };
+        let tasks = vec![task(&[Axis::Z], contact(&[-20.0], settings)), task(&OTHERS, position(5, 3.0))];
+        let walls = [(2, 0.005, -1.0, 3e4), (2, gap, 1.0, 3e4)];
+        let mut world = World::new(&robot, &NOMINAL, pressing(&robot, tasks), &walls);
+        world.run(2.0, 1);
+        let (floor, mut behind) = (world.walls[0].1, 0.0_f64);
+        for step in 0..1000 {
+            // The floor comes up by 6 mm at 0.1 m/s.
+            world.walls[0].1 = floor - (0.1 * PERIOD * f64::from(step)).min(0.006);
+            world.run(PERIOD, 1);
+            behind = behind.max(world.force[2]);
+        }
+        assert_eq!(world.phase, [ContactPhase::Fault(FaultCause::ForceLimit)], "{gap}");
+        assert!(behind < most && world.force[2].abs() <= most, "{gap}: {behind} N, {:?}", world.force);
+    }
 }
 
 /// The retreat of a lower task may push a released tool, whose force nobody controls then.

@@ -33,8 +33,19 @@ pub(super) fn two_pandas() -> Arc<RobotModel> {
     two_pandas_with(["left", "right"])
 }
 
+/// The same on a waist whose axis is not quite vertical.
+pub(super) fn two_pandas_on_a_waist() -> Arc<RobotModel> {
+    let waist = r#"<link name="floor"/><joint name="waist" type="revolute"><parent link="floor"/><child link="table"/>
+        <origin rpy="0.01 0 0"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>"#;
+    two_pandas_on(waist, ["left", "right"])
+}
+
 /// The same with their tips in the order that is given.
 fn two_pandas_with(tips: [&'static str; 2]) -> Arc<RobotModel> {
+    two_pandas_on("", tips)
+}
+
+fn two_pandas_on(floor: &str, tips: [&'static str; 2]) -> Arc<RobotModel> {
     let one = include_str!("../../../robot/robots/panda.urdf");
     let links = one.split("<robot").nth(1).and_then(|text| text.split_once('>')).unwrap().1.replace("</robot>", "");
     let of = |side: &str| links.replace("panda_", &format!("{side}_"));
@@ -44,7 +55,7 @@ fn two_pandas_with(tips: [&'static str; 2]) -> Arc<RobotModel> {
         )
     };
     let text = format!(
-        r#"<robot name="two_pandas"><link name="table"/>{}{}{}{}</robot>"#,
+        r#"<robot name="two_pandas">{floor}<link name="table"/>{}{}{}{}</robot>"#,
         mount("left", 0.3),
         mount("right", -0.3),
         of("left"),

@@ -65,7 +65,7 @@ pub fn of_runs(runs: &[Run]) -> Vec<Claim> {
 }
 
 fn of_scenario(runs: &[Run]) -> Vec<Claim> {
-    let Some(pair) = MethodPair::from_runs(runs).filter(|pair| pair.is_built_in()) else { return Vec::new() };
+    let Some(pair) = MethodPair::from_runs(runs).filter(MethodPair::is_built_in) else { return Vec::new() };
     let name = runs[0].recording.scenario.as_str();
     let claims = match name {
         "force_tracking" | "force_tracking_singular" => tracking(&pair),

@@ -1,6 +1,7 @@
 //! Warnings about wrench sensors whose numbers look like those of another unit.
 
 use revprio_api::wire::{self, Payload, WrenchSensor};
+use revprio_lab::number::significant;
 
 /// Largest payload that is no mistake, kg. Most arms lift less.
 const MOST_KG: f64 = 100.0;
@@ -27,6 +28,7 @@ fn of_sensor(place: &str, sensor: &WrenchSensor) -> Vec<String> {
     let far = lengths.into_iter().filter(|(distance, ..)| *distance > FARTHEST);
     let mut warnings: Vec<String> = far
         .map(|(distance, field, what, from)| {
+            let distance = significant(distance, 3);
             format!("`{place}.{field}`: {what} {distance} m away from {from}; give metres")
         })
         .collect();
@@ -36,8 +38,9 @@ fn of_sensor(place: &str, sensor: &WrenchSensor) -> Vec<String> {
     let gravity = length(&sensor.gravity);
     if mass_kg > 0.0 && gravity > 0.0 && !GRAVITY.contains(&gravity) {
         warnings.push(format!(
-            "`{place}.gravity`: {gravity} m/s² is no gravity of a planet, so the weight of the payload is wrong; give m/s², as \
-             [0, 0, -9.81]"
+            "`{place}.gravity`: {} m/s² is no gravity of a planet, so the weight of the payload is wrong; give m/s², as \
+             [0, 0, -9.81]",
+            significant(gravity, 3)
         ));
     }
     warnings

@@ -69,7 +69,7 @@ const DIFFERENCE: f64 = 6.0;
 /// How far below −f₅ a force is a pull, in units of σ: noise of the stated size reaches 8 σ in no run.
 const PULL: f64 = 3.0;
 
-/// Way back after a fault, m, and its speed, m/s, where no force is too large.
+/// Way back after a fault, m, and its speed, m/s, where no deep contact makes it faster.
 const FAULT_RETREAT: (f64, f64) = (0.006, 0.05);
 
 /// Longest way back from a force that is still there, m.
@@ -359,22 +359,30 @@ impl Step<'_> {
 
     /// Returns the velocity of the retreat from a fault, m/s.
     ///
-    /// A tool whose force is too large leaves as fast as it may: its surface may come after it.
+    /// A tool whose force is too large yields at least as fast as in a contact: its surface may come after it. Near the end of the force it is
+    /// slow, because something may be behind it.
     fn retreating(&self, cause: FaultCause) -> f64 {
         let (settings, axis, AxisInput { force, to_rest, acceleration, .. }) = (self.settings, &*self.axis, self.input);
-        let is_believed = !matches!(cause, FaultCause::Pull | FaultCause::Stuck);
-        let is_pressed = is_believed && force.abs() > settings.threshold();
+        let is_pressed = match cause {
+            // A force of the other sign comes from something behind the tool.
+            FaultCause::ForceLimit => force > settings.threshold(),
+            FaultCause::StaysInRetreat => force.abs() > settings.threshold(),
+            FaultCause::Pull | FaultCause::Stuck => false,
+        };
         let way = if is_pressed { LONGEST_RETREAT } else { FAULT_RETREAT.0 };
         let end = axis.fault_position - way * settings.metre;
         // A pull on a tool that has not moved forward may be a surface behind it, on which a retreat would press.
         let end = if cause == FaultCause::Pull { end.max(axis.fault_position.min(0.0)) } else { end };
-        let is_fast = is_pressed && cause == FaultCause::ForceLimit;
-        let gentle = if is_fast { f64::INFINITY } else { FAULT_RETREAT.1 * settings.metre };
+        let yields = is_pressed && cause == FaultCause::ForceLimit;
+        let best = self.axis.estimate.best();
+        let depth = if yields && best > 0.0 { force / best } else { 0.0 };
+        let fastest = (depth / self.timing.contact).max(FAULT_RETREAT.1 * settings.metre).min(settings.retreat_speed);
         let left = axis.position + to_rest - end;
-        if left <= 0.0 {
+        let is_held = cause == FaultCause::ForceLimit && force < -settings.threshold();
+        if left <= 0.0 || is_held {
             return 0.0;
         }
-        -gentle.min(settings.retreat_speed).min((2.0 * STOP_SHARE * acceleration * left).sqrt())
+        -fastest.min((2.0 * STOP_SHARE * acceleration * left).sqrt())
     }
 
     /// Returns the velocity of the way back to the place of the surface, m/s, for a force (N) that may be missing.

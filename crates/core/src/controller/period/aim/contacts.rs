@@ -1,8 +1,11 @@
 //! The axes with the contact law in one period.
 
+use revprio_robot::kinematics::{Configuration, Jacobian, LinkPoint};
+use revprio_robot::{RobotModel, Tip};
+
 use super::braking::RequestBounds;
 use crate::arm_state::ArmState;
-use crate::controller::config::ControllerConfig;
+use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::controller::state::{Memory, TaskTarget};
 use crate::law::{
     AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactReport, ContactTiming, FaultCause, TargetForce, TaskState,
@@ -22,6 +25,8 @@ pub struct Contacts {
     axes: Vec<PressingAxis>,
     /// Per task, whether one of its axes is in a fault by force.
     retreats: Vec<bool>,
+    /// Per task, for each joint whether its retreat needs it, see [`own_joints`]; empty for tasks without the law.
+    own_joints: Vec<Vec<bool>>,
 }
 
 /// One axis.
@@ -74,7 +79,12 @@ impl Contacts {
                 .filter(|_| config.tasks[task].rows.is_angular(row, &config.robot) == Some(false)),
         };
         let rows = laws.flat_map(|(task, law)| (0..law.rows()).map(move |row| (task, law, row)));
-        Self { axes: rows.map(axis).collect(), retreats: vec![false; config.tasks.len()] }
+        let own = |task: &TaskConfig| task.law.contact().map(|_| own_joints(task, &config.robot)).unwrap_or_default();
+        Self {
+            axes: rows.map(axis).collect(),
+            retreats: vec![false; config.tasks.len()],
+            own_joints: config.tasks.iter().map(own).collect(),
+        }
     }
 
     /// Returns the axes.
@@ -139,7 +149,7 @@ impl Contacts {
             report.normal = axis.normal;
             velocity[row] = axis.direction * pressing;
             reports.push(report);
-            if matches!(report.phase, ContactPhase::Fault(cause) if cause != FaultCause::Pull) {
+            if is_fault_by_force(report.phase) {
                 self.retreats[k] = true;
             }
         }
@@ -182,7 +192,8 @@ impl Contacts {
     /// Lets the tasks above one with a fault by force go: nothing but limits and constraints holds its retreat back, and none brings the tool
     /// back afterwards. The tasks that turn with its surface stop: the tool may have slid into a slope that it does not know.
     ///
-    /// A task that moves none of its joints stays, as one of another arm does, and so does one that retreats itself.
+    /// A task that moves none of the joints that the retreat needs stays, as one of another arm does, and so do the axes that retreat
+    /// themselves.
     pub(super) fn give_way_to_a_retreat(
         &self,
         config: &ControllerConfig,
@@ -190,10 +201,11 @@ impl Contacts {
         tasks: &mut TaskStack,
     ) -> Result<(), TaskError> {
         for (k, target) in targets.iter_mut().enumerate() {
-            let is_in_the_way = |&r: &usize| self.retreats[r] && share_joints(tasks, k, r);
-            target.released_by = (k + 1..self.retreats.len()).find(is_in_the_way).filter(|_| !self.retreats[k]);
+            let is_in_the_way = |&r: &usize| self.retreats[r] && self.moves_own_joint(tasks, k, r);
+            target.released_by = (k + 1..self.retreats.len()).find(is_in_the_way);
             if target.released_by.is_some() || self.slid_into_a_slope(k, config) {
-                target.velocity.fill(0.0);
+                let velocity = target.velocity.as_mut_slice().iter_mut().enumerate();
+                velocity.filter(|(row, _)| !self.has_fault(k, *row)).for_each(|(_, velocity)| *velocity = 0.0);
             }
         }
         if !self.retreats.contains(&true) {
@@ -201,26 +213,57 @@ impl Contacts {
         }
         tasks.overwrite_jacobians(|k, jacobian| {
             if targets[k].released_by.is_some() {
-                jacobian.fill(0.0);
+                let rows = (0..jacobian.nrows()).filter(|row| !self.has_fault(k, *row));
+                rows.for_each(|row| jacobian.row_mut(row).fill(0.0));
             }
         })
     }
 
-    /// Returns whether a task retreats from a surface with which `k` turns, which does not retreat itself.
+    /// Returns whether a row of task `k` is an axis in a fault by force.
+    fn has_fault(&self, k: usize, row: usize) -> bool {
+        let mut own = self.axes.iter().filter(|axis| axis.task == k && axis.row == row);
+        self.retreats[k] && own.any(|axis| is_fault_by_force(axis.memory.phase))
+    }
+
+    /// Returns whether task `k` moves a joint that the retreat of task `r` needs, beyond rounding.
+    fn moves_own_joint(&self, tasks: &TaskStack, k: usize, r: usize) -> bool {
+        let jacobian = &tasks.tasks()[k].jacobian;
+        let least = TOLERANCES.rank * jacobian.norm();
+        jacobian.column_iter().zip(&self.own_joints[r]).any(|(column, own)| *own && column.norm() > least)
+    }
+
+    /// Returns whether another task retreats from a surface with which `k` turns.
     fn slid_into_a_slope(&self, k: usize, config: &ControllerConfig) -> bool {
-        !self.retreats[k]
-            && config.tasks.iter().enumerate().any(|(r, faulty)| {
-                let follows = || faulty.law.contact().is_some_and(|law| law.surface().is_some());
-                self.retreats[r] && follows() && config.tasks[k].rows.has_axes_of(&faulty.rows)
-            })
+        config.tasks.iter().enumerate().any(|(r, faulty)| {
+            let follows = || faulty.law.contact().is_some_and(|law| law.surface().is_some());
+            self.retreats[r] && r != k && follows() && config.tasks[k].rows.has_axes_of(&faulty.rows)
+        })
     }
 }
 
-/// Returns whether two tasks move a joint both, beyond what rounding moves.
-fn share_joints(tasks: &TaskStack, k: usize, other: usize) -> bool {
-    let [a, b] = [k, other].map(|task| &tasks.tasks()[task].jacobian);
-    let shared: f64 = a.column_iter().zip(b.column_iter()).map(|(a, b)| a.norm() * b.norm()).sum();
-    shared > TOLERANCES.rank * a.norm() * b.norm()
+/// Returns whether an axis retreats from a force, or rests after that.
+fn is_fault_by_force(phase: ContactPhase) -> bool {
+    matches!(phase, ContactPhase::Fault(cause) if cause != FaultCause::Pull)
+}
+
+/// Returns for each joint whether it moves the tip of a task and no other one: an arm leaves its surface without the waist that it shares with
+/// another arm. Where no joint is its own, all that move the tip count.
+fn own_joints(task: &TaskConfig, robot: &RobotModel) -> Vec<bool> {
+    let n = robot.joint_count();
+    let (Some(tip), Ok(configuration)) = (task.rows.tip(robot), Configuration::new(robot, &vec![0.0; n])) else {
+        return vec![true; n];
+    };
+    let mut jacobian = Jacobian::zeros(n);
+    let mut moves = |tip: &Tip| -> Vec<bool> {
+        configuration.write_point_jacobian(&LinkPoint::origin(tip.link), &mut jacobian);
+        jacobian.column_iter().map(|column| column.norm() > 0.0).collect()
+    };
+    let of_tip = moves(&robot.tips()[tip]);
+    let mut own = of_tip.clone();
+    for (_, other) in robot.tips().iter().enumerate().filter(|(index, _)| *index != tip) {
+        own.iter_mut().zip(moves(other)).for_each(|(own, shared)| *own &= !shared);
+    }
+    if own.contains(&true) { own } else { of_tip }
 }
 
 impl PressingAxis {
