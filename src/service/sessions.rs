@@ -64,8 +64,6 @@ pub struct Session {
     control: ControlLoop,
     interleaving: Interleaving,
     last_step: watch::Sender<Option<Arc<Step>>>,
-    /// Dropped with the session.
-    life: watch::Sender<()>,
     steps: u64,
     retries: u64,
     last_step_time: Option<Instant>,
@@ -150,17 +148,6 @@ struct Open {
     session: SharedSession,
 }
 
-/// Tells when a session has ended.
-#[derive(Debug)]
-pub struct Life(watch::Receiver<()>);
-
-impl Life {
-    /// Waits until the session has ended.
-    pub async fn ended(mut self) {
-        while self.0.changed().await.is_ok() {}
-    }
-}
-
 /// All sessions.
 pub struct Sessions {
     limit: usize,
@@ -214,7 +201,6 @@ impl Sessions {
             control: ControlLoop::new(stepper),
             interleaving: Interleaving::default(),
             last_step: watch::Sender::new(None),
-            life: watch::Sender::new(()),
             steps: 0,
             retries: 0,
             last_step_time: None,
@@ -308,13 +294,7 @@ impl Sessions {
 
     /// Refuses a client that may not step a session.
     pub async fn check_owner(&self, id: &str, client: &Owner) -> Result<(), ApiError> {
-        self.life(id, client).await.map(drop)
-    }
-
-    /// Returns what ends with a session. Refuses a client that may not step it.
-    pub async fn life(&self, id: &str, client: &Owner) -> Result<Life, ApiError> {
-        let life = |session: &mut Session| Life(session.life.subscribe());
-        self.with(id, |_, session| session.ownership.owner.allow(client).map(|()| life(session))).await
+        self.with(id, |_, session| session.ownership.owner.allow(client)).await
     }
 
     /// Answers a state of a session in this thread, for runs in this process.

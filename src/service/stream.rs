@@ -4,7 +4,6 @@
 //! (`revprio.msgpack`). The next state is read after the answer to the last one is sent, so a slow reader uses no memory.
 //! A refused state is answered with a problem object, which has a `status`, and the stream continues.
 
-use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -12,7 +11,7 @@ use std::time::Duration;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use axum::http::HeaderValue;
 use axum::response::Response;
-use tokio::time::{Instant, interval_at, sleep, timeout};
+use tokio::time::{Instant, interval_at, timeout};
 
 use super::connection::ServingTask;
 use super::drain::Draining;
@@ -20,7 +19,7 @@ use super::error::ApiError;
 use super::format::Format;
 use super::interleaving::Source;
 use super::ownership::Owner;
-use super::sessions::{Life, SharedAnswer};
+use super::sessions::SharedAnswer;
 use super::state::AppState;
 
 /// Subprotocol of JSON.
@@ -49,9 +48,6 @@ const READ_TIMEOUT: Duration = Duration::from_secs(5);
 /// Timeout for the end of a stream after a close frame.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Time after the end of its controller in which a client that sends a state gets a refusal before the close frame.
-const LAST_STATE: Duration = Duration::from_millis(500);
-
 /// Why a state is refused that comes as text where MessagePack was agreed on.
 const TEXT_FRAME: &str = "a text frame on a stream with `revprio.msgpack`; send MessagePack in binary frames, or open the stream with `revprio.json`";
 
@@ -69,13 +65,7 @@ const SILENT: CloseReason = CloseReason(4408, "the client was silent for too lon
 
 /// Upgrades the connection, and serves the session `id` until either side ends the stream. `task`: the place of the task that serves the
 /// connection from then on.
-pub fn accept(
-    upgrade: WebSocketUpgrade,
-    task: ServingTask,
-    app: Arc<AppState>,
-    (id, life): (String, Life),
-    owner: Owner,
-) -> Response {
+pub fn accept(upgrade: WebSocketUpgrade, task: ServingTask, app: Arc<AppState>, id: String, owner: Owner) -> Response {
     let draining = app.drain.subscribe();
     let upgrade = upgrade
         .protocols([JSON, MESSAGE_PACK])
@@ -89,7 +79,7 @@ pub fn accept(
         let source = Source::Stream(NEXT_STREAM.fetch_add(1, Ordering::Relaxed));
         task.note_state();
         let stream = Stream { socket, app, id, owner, source, format, task: task.clone() };
-        let serving = tokio::spawn(stream.serve(draining, life));
+        let serving = tokio::spawn(stream.serve(draining));
         task.set(serving.abort_handle());
         let _ = serving.await;
     })
@@ -106,8 +96,8 @@ struct Stream {
 }
 
 impl Stream {
-    async fn serve(mut self, mut draining: Draining, life: Life) {
-        if let Err(CloseReason(code, reason)) = self.answer_all(&mut draining, life).await {
+    async fn serve(mut self, mut draining: Draining) {
+        if let Err(CloseReason(code, reason)) = self.answer_all(&mut draining).await {
             let close = CloseFrame { code, reason: Utf8Bytes::from_static(reason) };
             let _ = self.send(Message::Close(Some(close))).await;
         }
@@ -116,11 +106,7 @@ impl Stream {
     }
 
     /// Answers until the client is gone or the service has a reason to end the stream.
-    async fn answer_all(&mut self, draining: &mut Draining, life: Life) -> Result<(), CloseReason> {
-        let mut ended = pin!(async {
-            life.ended().await;
-            sleep(LAST_STATE).await;
-        });
+    async fn answer_all(&mut self, draining: &mut Draining) -> Result<(), CloseReason> {
         let mut last_received = Instant::now();
         let mut pings = interval_at(last_received + PING_INTERVAL, PING_INTERVAL);
         loop {
@@ -128,7 +114,6 @@ impl Stream {
                 // The same order every time. Messages are last: a client that never pauses must not delay the others.
                 biased;
                 () = draining.begun() => return Err(DRAINING),
-                () = &mut ended => return Err(NO_CONTROLLER),
                 now = pings.tick() => {
                     if now.duration_since(last_received) >= MAX_SILENCE {
                         return Err(SILENT);
@@ -136,7 +121,6 @@ impl Stream {
                     if self.send(Message::Ping("".into())).await.is_err() {
                         return Ok(());
                     }
-                    self.app.sessions.end_idle();
                     continue;
                 }
                 message = self.socket.recv() => message,

@@ -224,12 +224,3 @@ fn a_client_that_closes_gets_the_answer_of_the_close_frame() {
         assert!(matches!(client.socket.read(), Err(tungstenite::Error::ConnectionClosed)));
     }
 }
-
-#[test]
-fn a_stream_without_states_ends_with_its_controller() {
-    let service = Service::start();
-    let session = service.open(&example("controller.json"));
-    let mut client = Client::open(&service, &session, None);
-    service.delete(&session);
-    assert_eq!(u16::from(client.close_frame().code), 4404);
-}

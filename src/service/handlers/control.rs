@@ -131,10 +131,10 @@ pub async fn stream_controller(
     extensions: Extensions,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, ApiError> {
-    let life = app.sessions.life(&id, &owner).await?;
+    app.sessions.check_owner(&id, &owner).await?;
     let upgrade = upgrade.map_err(|_| ApiError::upgrade_required())?;
     let task = extensions.get().cloned().unwrap_or_default();
-    Ok(stream::accept(upgrade, task, app, (id, life), owner))
+    Ok(stream::accept(upgrade, task, app, id, owner))
 }
 
 /// Watches a session.
@@ -227,7 +227,7 @@ pub async fn tare_controller(
 
 /// Ends a session.
 ///
-/// Deletes its memory and closes its streams.
+/// Deletes its memory. A stream of it ends at its next state, which is refused with 404.
 #[utoipa::path(
     delete,
     path = "/v1/controllers/{id}",
