@@ -329,3 +329,27 @@ fn a_gantry_reaches_as_far_as_its_slides() {
     let far = warnings(&service, &controller(9000.0)).join("\n");
     assert!(far.contains("the arm reaches 14.00 m"), "{far}");
 }
+
+/// The second link of a Panda turns about a vertical axis and never rises.
+#[test]
+fn a_plane_that_no_joint_moves_its_point_towards_has_a_warning() {
+    let service = Service::start();
+    let with_plane = |normal: [f64; 3]| {
+        let plane =
+            json!({"name": "ceiling", "kind": "plane", "normal": normal, "offset_m": 0.1, "point": "panda_joint2"});
+        let mut controller = example("controller.json");
+        controller["robot"] = json!("panda");
+        controller["inequalities"] = json!([plane]);
+        warnings(&service, &controller)
+    };
+    let idle = |warnings: Vec<String>| warnings.iter().filter(|warning| warning.contains("holds nothing back")).count();
+    assert_eq!(idle(with_plane([0.0, 0.0, 1.0])), 1);
+    assert_eq!(
+        idle(with_plane([0.0, 1e-3, 1.0])),
+        1,
+        "the point lies on the axis of the only joint that moves its frame"
+    );
+    let mut hand = example("controller.json");
+    hand["inequalities"] = json!([{"name": "front", "kind": "plane", "normal": [1, 0, 0], "offset_m": 5.0}]);
+    assert_eq!(idle(warnings(&service, &hand)), 0);
+}

@@ -31,6 +31,8 @@ fn the_limit_of_a_joint_is_named() {
         (2.8, 1.0, behind.clone(), "joint `shoulder` is at its upper limit"),
         (-2.8, -1.0, all.clone(), "joint `shoulder` is at its lower limit"),
         (2.85, 0.0, behind.clone(), "joint `shoulder` is beyond its upper limit and must move back"),
+        // At full speed, which is a speed limit as well.
+        (3.3, 0.0, behind.clone(), "joint `shoulder` is beyond its upper limit and must move back"),
         (0.0, 1.0, all, "joint `shoulder` is at its acceleration limit"),
         (2.7, 2.0, behind, "joint `shoulder` brakes before its upper limit, at 1.2 rad/s"),
         (0.0, 1.0, fixed, "joint `shoulder` is at its upper velocity bound of 0.25 rad/s"),

@@ -100,6 +100,8 @@ pub struct Explained<'a> {
     pub conflicts: &'a [usize],
     /// Tasks, highest priority first.
     pub tasks: Vec<NamedTask<'a>>,
+    /// The share of what the tasks ask for that is passed on.
+    pub request_share: f64,
 }
 
 /// Returns the sentences about the command for a measurement.
@@ -130,6 +132,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         threshold: config.damping.map(|damping| damping.threshold()),
         conflicts: &command.limit_conflicts,
         tasks: tasks.collect(),
+        request_share: command.request_share,
     };
     let mut sentences = explained.sentences();
     if command.fading_since_s.is_some() {
@@ -153,7 +156,8 @@ impl Explained<'_> {
             if contacts.is_empty() {
                 let which = if gives_up_posture_alone { "every task above" } else { "every task" };
                 let only = if sentences.is_empty() && losses.is_empty() { "no limit is active; " } else { "" };
-                sentences.push(format!("{only}{which} is achieved"));
+                let of = if self.request_share < 1.0 { " as far as its request is passed on" } else { "" };
+                sentences.push(format!("{only}{which} is achieved{of}"));
             }
             sentences.extend(contacts);
             sentences.extend(losses.iter().map(|loss| format!("{loss}, since it has the motion that is left")));
@@ -250,8 +254,8 @@ impl Explained<'_> {
             BoundCause::Unlimited | BoundCause::Given => {
                 format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
             }
-            BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
             _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
+            BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
             BoundCause::Position if left < RANGE_END && active.value.abs() < SLOW => {
                 format!("joint `{joint}` is at its {side} limit")
             }

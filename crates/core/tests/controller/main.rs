@@ -39,3 +39,4 @@ mod targets;
 mod tracking;
 mod transition;
 mod two_arms;
+mod unmoved_rows;

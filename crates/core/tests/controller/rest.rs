@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
 
-use nalgebra::IsometryMatrix3;
+use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{Controller, ControllerConfig, Limits, NullSpaceMotion, Stepper, TaskConfig};
 use revprio_core::law::{Law, MotionPath};
 use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::resolution::Method;
-use revprio_core::rows::{JointRows, JointTarget, TargetPose, TaskRows, ToolRows};
+use revprio_core::rows::{GazeRows, JointRows, JointTarget, TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
@@ -412,4 +412,33 @@ fn a_stretched_panda_with_a_drive_stated_as_ideal_rests_and_says_so() {
         }
         assert!(fastest < CHATTER, "{drive:?}: {fastest} rad/s");
     }
+}
+
+/// A Panda that reaches for a point out of reach and looks at another one swings, and its requests fade to nothing.
+#[test]
+fn an_arm_whose_requests_have_faded_says_which_tasks_are_short_of_their_targets() {
+    let (period, drive) = (0.02, Drive { lag_s: 0.03, delay_periods: 2 });
+    let panda = built_in().iter().find(|robot| robot.name() == "panda").cloned().unwrap();
+    let target = IsometryMatrix3::translation(1.0, 0.6, 0.2);
+    let reach = TaskRows::Tool(ToolRows { target_pose: TargetPose::Fixed(target), ..tool_rows(&LINEAR) });
+    let look = GazeRows::new(None, Vector3::zeros(), Vector3::z(), constant(&[0.0, 0.0, 0.1])).unwrap();
+    let tasks = vec![
+        TaskConfig { rows: reach, ..task(&LINEAR, position(3, 5.0)) },
+        TaskConfig { name: "look".to_owned(), rows: TaskRows::Gaze(look), ..task(&LINEAR, position(2, 3.0)) },
+    ];
+    let config = ControllerConfig { drive, ..ControllerConfig::new(panda, period, tasks) };
+    let mut arm = LaggingArm::at_rest(&[0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], drive, 0.0, 1);
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let (mut memory, mut faded) = (None, 0);
+    for number in 0..1000_u32 {
+        let measured = arm.measure(f64::from(number) * period);
+        let command = stepper.step(&mut memory, &measured).unwrap();
+        arm.follow(command.resolution.joint_velocity.as_slice(), period);
+        if command.request_share == 0.0 {
+            faded += 1;
+            let stuck: Vec<usize> = command.stuck.iter().map(|stuck| stuck.task).collect();
+            assert_eq!(stuck, [0, 1], "period {number}");
+        }
+    }
+    assert!(faded > 100, "{faded} periods");
 }

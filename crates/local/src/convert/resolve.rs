@@ -301,6 +301,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
         threshold: problem.problem.damping.map(|damping| damping.threshold()),
         conflicts: &problem.limited.conflicts,
         tasks: tasks.collect(),
+        request_share: 1.0,
     };
     explained.sentences()
 }

@@ -49,6 +49,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     warnings.extend(unusual_size(request, config));
     warnings.extend(huge_shapes(request, config));
     warnings.extend(uncovered_links(request, config));
+    warnings.extend(idle_planes(config));
     warnings.extend(of_first_step(request, config));
     Ok(warnings)
 }
@@ -69,6 +70,13 @@ fn contradictory_contacts(request: &wire::Controller, config: &ControllerConfig)
         let wire::ControllerTask { name, axes, .. } = &request.tasks[k];
         let axis = axes.as_ref().and_then(|axes| axes.get(row)).map_or((row + 1).to_string(), ToString::to_string);
         format!("task `{name}`, axis {axis}: {found}")
+    })
+}
+
+/// A plane that no joint moves its point towards is kept or broken for ever, and no answer says so.
+fn idle_planes(config: &ControllerConfig) -> impl Iterator<Item = String> {
+    config.idle_planes().unwrap_or_default().into_iter().map(|name| {
+        format!("plane `{name}` holds nothing back: no joint moves its point along the normal; name another point of the arm")
     })
 }
 

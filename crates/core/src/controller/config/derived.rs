@@ -1,6 +1,7 @@
 //! What follows from the configuration of a controller, without a state.
 
-use revprio_robot::kinematics::ConfigurationError;
+use revprio_robot::kinematics::{Configuration, ConfigurationError, half_range};
+use revprio_robot::{Joint, RobotModel};
 
 use super::controller_config::ControllerConfig;
 use super::null_space::is_redundant;
@@ -11,7 +12,7 @@ use crate::collision::CollisionGuard;
 use crate::constraint::{self, Constraint};
 use crate::law::{ContactAxis, ContactContradiction, ContactLaw, Law, MotionPath};
 use crate::limits::{JerkLimit, LimitKind, braking_deceleration, may_jump, reaction_time};
-use crate::linalg::Damping;
+use crate::linalg::{Damping, Matrix};
 use crate::resolution::Solver;
 use crate::rows::TaskRows;
 use crate::surface::FollowedSurface;
@@ -23,6 +24,12 @@ const MISSTATED: f64 = 0.2;
 
 /// Largest K T of loops that come to rest behind every drive, see [`PositionLaw`](crate::law::PositionLaw).
 const CALM_GAIN: f64 = 2.0 / 3.0;
+
+/// Number of postures at which a row must be zero to count as one that no joint moves. One is enough unless a row happens to be zero there.
+const SAMPLED_POSTURES: usize = 3;
+
+/// Length of a row, relative to the longest one and to 1, that rounding leaves of zero: some thousand times 2⁻⁵².
+const UNMOVED: f64 = 1e-12;
 
 impl ControllerConfig {
     /// Returns the limits of the robot that every command keeps; `None` for a fixed box, and for the solver `ClosedForm`,
@@ -164,6 +171,42 @@ impl ControllerConfig {
         Ok(arm)
     }
 
+    /// Returns for each row of each task whether a joint moves it at some posture. The others, such as the height of a planar arm, are zero at every
+    /// posture, some of them up to rounding; `arm`: any state of the arm. Rows that turn with a surface count as moved.
+    pub(in crate::controller) fn moved_rows(&self, arm: &ArmState) -> Result<Vec<Vec<bool>>, ConfigurationError> {
+        let n = self.robot.joint_count();
+        let turns = |task: &TaskConfig| task.law.contact().is_some_and(|law| law.surface().is_some());
+        let mut moved: Vec<Vec<bool>> = self.tasks.iter().map(|task| vec![turns(task); task.rows.len()]).collect();
+        for sample in 0..SAMPLED_POSTURES {
+            let configuration = Configuration::new(&self.robot, &sampled_posture(&self.robot, sample))?;
+            let mut jacobians: Vec<Matrix> = self.tasks.iter().map(|task| Matrix::zeros(task.rows.len(), n)).collect();
+            for (task, jacobian) in self.tasks.iter().zip(&mut jacobians) {
+                task.rows.write_jacobian(arm.later(&configuration, 0.0), jacobian);
+            }
+            let longest = jacobians.iter().flat_map(Matrix::row_iter).map(|row| row.norm()).fold(1.0, f64::max);
+            for ((task, jacobian), moved) in self.tasks.iter().zip(&jacobians).zip(&mut moved) {
+                // Raw rows are not rounded.
+                let rounding = if matches!(task.rows, TaskRows::Raw(_)) { 0.0 } else { UNMOVED * longest };
+                for (row, moved) in jacobian.row_iter().zip(moved) {
+                    *moved |= row.norm() > rounding;
+                }
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Returns the names of the planes whose point no joint moves along the normal, at any posture. They hold nothing back.
+    pub fn idle_planes(&self) -> Result<Vec<&str>, ConfigurationError> {
+        let postures = (0..SAMPLED_POSTURES).map(|sample| sampled_posture(&self.robot, sample));
+        let postures = postures.map(|posture| Configuration::new(&self.robot, &posture));
+        let postures = postures.collect::<Result<Vec<_>, _>>()?;
+        let is_idle = |constraint: &&Constraint| {
+            let rows: Vec<_> = postures.iter().flat_map(|posture| constraint.rows_at(Some(posture))).collect();
+            !rows.is_empty() && rows.iter().all(|row| row.coefficients().norm() == 0.0)
+        };
+        Ok(self.constraints.iter().filter(is_idle).map(Constraint::name).collect())
+    }
+
     /// Returns the surfaces whose normals task frames follow.
     fn followed_surfaces(&self) -> Vec<FollowedSurface> {
         let mut axes = 0;
@@ -194,6 +237,18 @@ impl ControllerConfig {
         let jerk = joints.map(|joint| joint_jerk(self, joint)).collect();
         JointCapability::new(speed, deceleration, jerk, reaction_time(self.period_s))
     }
+}
+
+/// Returns a posture in no special place of the joints' ranges, n.
+fn sampled_posture(robot: &RobotModel, sample: usize) -> Vec<f64> {
+    // Multiples of irrational numbers, less their integral parts, repeat nowhere.
+    let share = |joint: usize| (0.618_034 * (sample + 1) as f64 + 0.754_878 * joint as f64).fract();
+    let position = |(joint, description): (usize, &Joint)| {
+        let half_range = half_range(&description.limits).unwrap_or(1.0);
+        let middle = f64::midpoint(description.limits.lower, description.limits.upper);
+        (if middle.is_finite() { middle } else { 0.0 }) + half_range * (2.0 * share(joint) - 1.0)
+    };
+    robot.joints().iter().enumerate().map(position).collect()
 }
 
 /// Returns J of a joint, if the limits of the controller keep it and it says more than the acceleration limit.

@@ -17,7 +17,7 @@ use crate::arm_state::ArmState;
 use crate::channel::ChannelState;
 use crate::constraint;
 use crate::controller::config::{ControllerConfig, TaskConfig};
-use crate::controller::state::{Measurement, Memory, TaskTarget, VirtualArm};
+use crate::controller::state::{ANGULAR_REACHED, Measurement, Memory, REACHED, TaskTarget, VirtualArm};
 use crate::law::{Law, TargetForce, TaskState, TaskVector};
 use crate::linalg::{Matrix, Vector, row_times};
 use crate::resolution::Problem;
@@ -66,8 +66,8 @@ pub(super) struct Aiming {
 }
 
 impl Aiming {
-    /// Allocates the rows of all tasks and constraints of a checked configuration.
-    pub fn new(config: &ControllerConfig) -> Result<Self, TaskError> {
+    /// Allocates the rows of all tasks and constraints of a checked configuration; `moved`: its [`ControllerConfig::moved_rows`].
+    pub fn new(config: &ControllerConfig, moved: Vec<Vec<bool>>) -> Result<Self, TaskError> {
         let n = config.robot.joint_count();
         let tasks = TaskStack::new(config.tasks.iter().map(|task| empty_task(task, n)).collect())?;
         let target = |task: &Task| TaskTarget { velocity: Vector::zeros(task.lower.len()), ..TaskTarget::default() };
@@ -81,7 +81,7 @@ impl Aiming {
                 ..Problem::new(tasks)
             },
             streams: Vec::new(),
-            bounds: RequestBounds::new(config),
+            bounds: RequestBounds::new(config, moved),
             gains: Gains::default(),
             contacts: Contacts::new(config),
             look_ahead: LookAhead::new(config),
@@ -234,6 +234,9 @@ fn fade(
         Some(rest) if config.comes_to_rest() && !gains.has_new_target && !leaves => rest.share(),
         _ => 1.0,
     };
+    for (k, target) in targets.iter_mut().enumerate() {
+        target.is_short = share < 1.0 && is_short(config, k, &target.velocity);
+    }
     if share < 1.0 {
         for target in targets {
             target.velocity *= share;
@@ -243,6 +246,17 @@ fn fade(
         }
     }
     share
+}
+
+/// Returns whether a task that follows a position requests more than one that has reached its target.
+fn is_short(config: &ControllerConfig, k: usize, velocity: &Vector) -> bool {
+    let task = &config.tasks[k];
+    let square = |angular: bool| {
+        let is_of_unit = |row: &usize| task.rows.is_angular(*row, &config.robot).unwrap_or(true) == angular;
+        (0..velocity.len()).filter(is_of_unit).map(|row| velocity[row] * velocity[row]).sum::<f64>()
+    };
+    task.law.follows_position()
+        && (square(false) > REACHED * REACHED || square(true) > ANGULAR_REACHED * ANGULAR_REACHED)
 }
 
 /// Returns the state for the law of a task. A velocity law reads the time and streamed values alone.

@@ -42,7 +42,8 @@ pub(super) struct Period {
 impl Period {
     /// Allocates the values for a checked configuration.
     pub fn new(config: &ControllerConfig, solver: Box<dyn Solve>) -> Result<Self, StepError> {
-        let (arm, aiming, allowed) = (config.allocate_arm()?, Aiming::new(config)?, Allowed::new(config));
+        let arm = config.allocate_arm()?;
+        let (aiming, allowed) = (Aiming::new(config, config.moved_rows(&arm)?)?, Allowed::new(config));
         let resolving = Resolving::new(config, aiming.targets(), solver);
         let recording = Recording::new(config.robot.joint_count());
         Ok(Self { arm, aiming, allowed, resolving, recording, guard: config.allocate_guard()? })

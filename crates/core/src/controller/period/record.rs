@@ -70,6 +70,8 @@ pub(super) fn record<'a>(
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
     contacts::update(&mut memory.contacts, (config, &memory.drive), contacts, &problem.tasks, &command.resolution);
     next_memory::update(memory, config, measurement, (command, requested), streams);
+    command.request_share = share;
+    command.fading_since_s = memory.rest.as_ref().and_then(|rest| rest.fading_since_s).filter(|_| share < 1.0);
     let observed = Observation {
         config,
         tasks: &problem.tasks,
@@ -79,6 +81,7 @@ pub(super) fn record<'a>(
         joint_position: position,
         time_s: measurement.time_s,
         share,
+        fading_since_s: command.fading_since_s,
         has_new_target: gains.has_new_target,
         distances: &gains.distances,
     };
@@ -86,8 +89,6 @@ pub(super) fn record<'a>(
     if let (true, Some(rest)) = (leaves, &mut memory.rest) {
         rest.restart();
     }
-    command.request_share = share;
-    command.fading_since_s = memory.rest.as_ref().and_then(|rest| rest.fading_since_s).filter(|_| share < 1.0);
     command
 }
 
@@ -148,6 +149,7 @@ fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
         target.force.clone_from(&wished.force);
         target.streamed = wished.streamed;
         target.released_by = wished.released_by;
+        target.is_short = wished.is_short;
         target.contact.clone_from(&wished.contact);
     }
 }

@@ -1,11 +1,18 @@
 //! The joint velocities that move tasks.
 
+use nalgebra::{Dyn, MatrixView, U1};
+
 use crate::linalg::Vector;
-use crate::task::Task;
+
+/// A row of a Jacobian, n.
+type JacobianRow<'a> = MatrixView<'a, f64, U1, Dyn, U1, Dyn>;
 
 /// Rows count as dependent if less than this share of them is new. Rounding leaves 1e-16, and a direction that is new by less than
 /// 1e-6 would need joint speeds a million times those of its row.
 const DEPENDENT: f64 = 1e-6;
+
+/// Rows shorter than this share of the longest one have no direction but rounding.
+const NO_DIRECTION: f64 = 1e-12;
 
 /// An orthonormal basis of the rows of the Jacobians of some tasks. The rest of the joint velocities is their null space.
 #[derive(Debug, Default)]
@@ -13,15 +20,16 @@ pub(super) struct RowSpace {
     /// The vectors of the basis, then memory for more, n each.
     basis: Vec<Vector>,
     rank: usize,
-    /// Length of what is new in the row that depends most on the rows before it; infinite without rows. Zero rows do not count.
+    /// Length of what is new in the row that depends most on the rows before it; infinite without rows.
     smallest: f64,
 }
 
 impl RowSpace {
-    /// Computes the basis for tasks over the same joints, by Gram-Schmidt.
-    pub fn update<'a>(&mut self, tasks: impl IntoIterator<Item = &'a Task>) {
+    /// Computes the basis for rows over the same joints, by Gram-Schmidt.
+    pub fn update<'a>(&mut self, rows: impl Iterator<Item = JacobianRow<'a>> + Clone) {
         (self.rank, self.smallest) = (0, f64::INFINITY);
-        for row in tasks.into_iter().flat_map(|task| task.jacobian.row_iter()) {
+        let longest = rows.clone().map(|row| row.norm()).fold(0.0, f64::max);
+        for row in rows {
             if self.rank == self.basis.len() {
                 self.basis.push(Vector::zeros(row.len()));
             }
@@ -31,10 +39,8 @@ impl RowSpace {
             let length = direction.norm();
             remove(known, direction);
             let new = direction.norm();
-            if length > 0.0 {
-                self.smallest = self.smallest.min(new);
-            }
-            if new > DEPENDENT * length {
+            self.smallest = self.smallest.min(new);
+            if new > DEPENDENT * length && length > NO_DIRECTION * longest {
                 *direction /= new;
                 self.rank += 1;
             }

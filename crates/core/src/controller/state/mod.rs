@@ -21,7 +21,7 @@ pub use line::{LINE_INTERVALS, Line};
 pub use measurement::{Measurement, TipWrench};
 pub(super) use memory::fits_task;
 pub use memory::{Memory, MemoryError, UNIX_TIME_S};
-pub use progress::{LEAVING_TIME, Progress};
+pub use progress::{ANGULAR_REACHED, LEAVING_TIME, Progress, REACHED};
 pub(super) use rest::{Gained, are_moving, has_jumped};
 pub use rest::{JointTurns, RestState, TaskGain};
 pub use stall::{Stall, StalledJoint};

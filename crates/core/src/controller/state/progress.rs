@@ -3,6 +3,12 @@
 /// How long the arm moves towards the middle of its ranges to leave a posture, s: eight time constants of that motion.
 pub const LEAVING_TIME: f64 = 4.0;
 
+/// The request below which a task has reached its target, m/s. A gain of 5/s requests it 1 mm before the target.
+pub const REACHED: f64 = 5e-3;
+
+/// The same, rad/s, for a lever of 0.2 m to 0.25 m.
+pub const ANGULAR_REACHED: f64 = 2e-2;
+
 /// How a task follows its requests over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {

@@ -17,4 +17,6 @@ pub struct TaskTarget {
     pub contact: Vec<ContactReport>,
     /// The task whose retreat from a fault by force releases this one: it asks for nothing. `None`: none does.
     pub released_by: Option<usize>,
+    /// Whether its request, before it fades, is more than that of a task that has reached its target; only known while requests fade.
+    pub is_short: bool,
 }

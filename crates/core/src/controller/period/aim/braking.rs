@@ -78,11 +78,13 @@ pub(super) struct RequestBounds {
     joint_velocity: Vector,
     /// The joint velocities that move tasks, if a null-space motion needs them.
     row_space: RowSpace,
+    /// Whether a joint moves each row of each task at some posture.
+    moved: Vec<Vec<bool>>,
 }
 
 impl RequestBounds {
-    /// Allocates the memory for a checked configuration.
-    pub fn new(config: &ControllerConfig) -> Self {
+    /// Allocates the memory for a checked configuration; `moved`: its [`ControllerConfig::moved_rows`].
+    pub fn new(config: &ControllerConfig, moved: Vec<Vec<bool>>) -> Self {
         let n = config.robot.joint_count();
         let is_pose =
             |task: &TaskConfig| task.rows.joint(&config.robot, 0).is_none() && matches!(task.law, Law::Position(_));
@@ -93,7 +95,7 @@ impl RequestBounds {
         };
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
-        Self { stacked, gram, factors: None, joint_velocity, row_space: RowSpace::default() }
+        Self { stacked, gram, factors: None, joint_velocity, row_space: RowSpace::default(), moved }
     }
 
     /// Starts a period: the Jacobians have changed.
@@ -158,16 +160,19 @@ impl RequestBounds {
         ratios.fold(f64::INFINITY, f64::min) * (moved / config.weight(k, row)).abs()
     }
 
-    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them.
+    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them. A row that no joint moves
+    /// at any posture is not near singular: it is left out.
     pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
-        self.row_space.update(tasks.tasks().iter().filter(|task| task.is_equation()));
+        let equations = tasks.tasks().iter().zip(&self.moved).filter(|(task, _)| task.is_equation());
+        let rows = equations.flat_map(|(task, moved)| task.jacobian.row_iter().zip(moved));
+        self.row_space.update(rows.filter(|(_, moved)| **moved).map(|(row, _)| row));
         &self.row_space
     }
 
     /// Returns the part of a joint velocity (n) in the null space of tasks. It replaces what [`Self::row_space`] has computed.
     pub fn null_space_part(&mut self, tasks: &[Task], velocity: &Vector) -> &Vector {
         self.joint_velocity.copy_from(velocity);
-        self.row_space.update(tasks);
+        self.row_space.update(tasks.iter().flat_map(|task| task.jacobian.row_iter()));
         self.row_space.remove_from(&mut self.joint_velocity);
         &self.joint_velocity
     }

@@ -5,7 +5,8 @@
 //! The share of a task is its speed along the request ẋ_k, (J_k q̇)ᵀẋ_k / ‖ẋ_k‖, relative to ‖ẋ_k‖ or to 0.1 m/s and
 //! 0.5 rad/s, whichever is less, and cut to 0 … 1; separately for metres and radians, and the smaller of both counts. A
 //! task that requests less than 5 mm/s and 0.02 rad/s is at its target and counts as followed. A low-pass filter of 0.5 s
-//! takes out noise. A task is stuck when its filtered share is below 5 %.
+//! takes out noise. A task is stuck when its filtered share is below 5 %, or if less than 5 % of its request is passed on and the whole
+//! request is more than that of a task at its target.
 //!
 //! # What holds it
 //!
@@ -27,7 +28,7 @@
 
 use crate::controller::config::ControllerConfig;
 use crate::controller::period::row_space::RowSpace;
-use crate::controller::state::{Obstacle, Progress, StuckTask, TaskTarget};
+use crate::controller::state::{ANGULAR_REACHED, Obstacle, Progress, REACHED, StuckTask, TaskTarget};
 use crate::linalg::Vector;
 use crate::resolution::{BoundId, Problem, Resolution, Side};
 use crate::task::TaskStack;
@@ -36,13 +37,11 @@ use crate::task::TaskStack;
 /// ever.
 pub const MAX_ATTEMPTS: u32 = 3;
 
-/// The request below which a task has reached its target, and the speed that always counts as progress, m/s. A gain of 5/s requests
-/// the former 1 mm before the target. A distant target without braking may request more than any arm can do, so a tenth of a metre
-/// per second is progress.
-const LINEAR: (f64, f64) = (5e-3, 0.1);
+/// The speed that always counts as progress, m/s. A distant target without braking may request more than any arm can do.
+const FAST: f64 = 0.1;
 
-/// The same, rad/s, for a lever of 0.2 m to 0.25 m.
-const ANGULAR: (f64, f64) = (2e-2, 0.5);
+/// The same, rad/s.
+const ANGULAR_FAST: f64 = 0.5;
 
 /// Time constant of the filter of the share, s: longer than the 0.1 s to 0.3 s in which built-in arms start from
 /// rest.
@@ -77,6 +76,8 @@ pub(super) struct Observation<'a> {
     pub time_s: f64,
     /// s, the share of all requests that remains.
     pub share: f64,
+    /// Time since which requests fade, s; `None`: they do not.
+    pub fading_since_s: Option<f64>,
     /// Whether a target is another one than before.
     pub has_new_target: bool,
     /// Distance of each task from its target, m and rad together.
@@ -133,9 +134,9 @@ impl Observation<'_> {
                 *progress = Progress { attempts: progress.attempts, left_at: progress.left_at, ..Progress::FREE };
             }
             self.filter(k, progress);
-            let Some(since_s) = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE) else {
-                continue;
-            };
+            let slow = progress.slow_since_s.filter(|_| progress.share < STUCK_SHARE);
+            let faded = self.fading_since_s.filter(|_| self.share < STUCK_SHARE && self.targets[k].is_short);
+            let Some(since_s) = slow.or(faded) else { continue };
             let held_by = self.obstacles(k, scratch);
             let leaving = held_by.contains(&Obstacle::Limits)
                 && self.is_at_range_end()
@@ -194,7 +195,7 @@ impl Observation<'_> {
                 along += requested[row] * achieved[row];
                 square += requested[row] * requested[row];
             }
-            let (reached, fast) = if angular { ANGULAR } else { LINEAR };
+            let (reached, fast) = if angular { (ANGULAR_REACHED, ANGULAR_FAST) } else { (REACHED, FAST) };
             // What the task requests if nothing is scaled.
             let request = square.sqrt() / self.share;
             let along = along / (self.share * self.share);
@@ -223,7 +224,7 @@ impl Observation<'_> {
         inside.copy_from(pull);
         self.keep_inside_limits(inside);
         below.copy_from(pull);
-        higher.update(&self.tasks.tasks()[..k]);
+        higher.update(self.tasks.tasks()[..k].iter().flat_map(|task| task.jacobian.row_iter()));
         higher.remove_from(below);
         let is_taken = |left: &Vector| left.norm() < TAKEN_AWAY * size;
         let limited = inside != pull;
