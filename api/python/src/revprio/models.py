@@ -1695,8 +1695,9 @@ class CollisionReport(Answer):
       usually; less if the stop after the first answer would have come too near; 0: the joint velocities are those
       of full braking.
     - stop_in_s: Time that the arm needs to stop behind its drive, s; 0: it stands.
-    - violated: Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an
-      obstacle comes, or the bound between two samples is too rough.
+    - violated: Whether the stop, or that of a watchdog after `valid_for_ms`, comes nearer than `min_distance_m` all
+      the same: the arm was nearer before, an obstacle comes, the bound between two samples is too rough, or the
+      jerk limits permit nothing else.
     - least_distance_m: Distance of the nearest pair, m; absent: no pair is watched.
     """
 
@@ -1710,8 +1711,9 @@ class CollisionReport(Answer):
     stop_in_s: float
     """Time that the arm needs to stop behind its drive, s; 0: it stands."""
     violated: bool
-    """Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an obstacle comes,
-    or the bound between two samples is too rough."""
+    """Whether the stop, or that of a watchdog after `valid_for_ms`, comes nearer than `min_distance_m` all the same:
+    the arm was nearer before, an obstacle comes, the bound between two samples is too rough, or the jerk limits permit
+    nothing else."""
     least_distance_m: float | None = None
     """Distance of the nearest pair, m; absent: no pair is watched."""
 

@@ -185,8 +185,8 @@ pub struct CollisionReport {
     pub share: f64,
     /// Time that the arm needs to stop behind its drive, s; 0: it stands.
     pub stop_in_s: f64,
-    /// Whether the stop comes nearer than `min_distance_m` all the same: the arm was nearer before, an obstacle comes, or the bound
-    /// between two samples is too rough.
+    /// Whether the stop, or that of a watchdog after `valid_for_ms`, comes nearer than `min_distance_m` all the same: the arm was nearer
+    /// before, an obstacle comes, the bound between two samples is too rough, or the jerk limits permit nothing else.
     pub violated: bool,
 }
 

@@ -263,6 +263,11 @@ impl CollisionGuard {
         self.report.share = share;
     }
 
+    /// Says that the stop of a watchdog comes too near.
+    pub fn set_violated(&mut self) {
+        self.report.is_violated = true;
+    }
+
     /// Checks the stop after a command that acts for one period.
     fn check_stop(&mut self, moment: Moment, command: &[f64]) {
         self.follow_stop(moment, command);

@@ -25,7 +25,8 @@ pub struct CollisionReport {
     pub rows: [usize; 2],
     /// Time that the stop takes, s.
     pub stop_s: f64,
-    /// Whether the stop of the command comes nearer than d_min all the same: it did so before, or something came.
+    /// Whether the stop of the command, or that of a watchdog after it, comes nearer than d_min all the same: it did so before, something came,
+    /// or the jerk limits permit nothing else.
     pub is_violated: bool,
 }
 

@@ -40,6 +40,10 @@ pub(super) fn keep_clear(
         if is_allowed && can_be_held(guard, command, &problem.tasks) {
             break;
         }
+        if is_last {
+            // Joints that keep their jerk limits brake otherwise than a watchdog.
+            guard.set_violated();
+        }
     }
     Ok(false)
 }
