@@ -115,6 +115,10 @@ fn end_effectors_whose_links_cannot_name_tips_are_refused_at_their_text() {
         json!({"name": "duo", "urdf": urdf().replace("left_hand", "tool"), "srdf": SRDF.replace("left_hand", "tool")});
     let answer = service.post("/v1/robots", &robot.to_string());
     answer.assert_refused(422, Some("/srdf"));
+    let elsewhere = json!({"name": "duo", "urdf": urdf(), "srdf": SRDF.replace("left_hand", "no_hand")});
+    let answer = service.post("/v1/robots", &elsewhere.to_string());
+    answer.assert_refused(422, Some("/srdf"));
+    assert!(answer.text.contains("no_hand") && answer.text.contains("end effectors"), "{}", answer.text);
     assert!(answer.text.contains("state `tips` to name them otherwise"), "{}", answer.text);
 }
 

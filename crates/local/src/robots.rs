@@ -32,7 +32,7 @@ pub enum RobotsError {
     Permanent(String),
     /// There is no such robot.
     #[error(
-        "there is no robot `{name}`; register it (`--robot FILE`, `POST /v1/robots`), or choose a known one: {known}"
+        "there is no robot `{name}`; register it (`revprio serve --robot FILE`, `POST /v1/robots`), or choose a known one: {known}"
     )]
     Unknown {
         /// The name.

@@ -33,21 +33,26 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
         let options = UrdfOptions { name, description: None, base, tip, overrides: Some(&overrides) };
         RobotModel::from_urdf(&request.urdf, &options)
     };
-    let robot = robot.map_err(|error| urdf_error(request, &error))?;
+    let named = |error: ApiError| if with_frames.is_some() { error_of_srdf(error) } else { error };
+    let robot = robot.map_err(|error| named(urdf_error(request, &error)))?;
     if request.tips.is_some() {
-        let of_srdf = |error: ApiError| {
-            let detail = "the tips are the links of its end effectors; state `tips` to name them otherwise";
-            if with_frames.is_none() {
-                return error;
-            }
-            ApiError::invalid("/srdf", format!("{}; {detail}", error.into_wire().detail))
-        };
-        check_tip_names(&robot).map_err(of_srdf)?;
+        check_tip_names(&robot).map_err(named)?;
     }
     let joints = robot.joint_count();
     let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
     check(joints <= MAX_JOINTS, "/urdf", detail)?;
     with_shapes(robot, request, None)
+}
+
+/// Returns an error about a tip as one about the end effectors of the SRDF text, which named the tip.
+fn error_of_srdf(error: ApiError) -> ApiError {
+    let wire = error.into_wire();
+    let pointer = wire.pointer.clone().unwrap_or_default();
+    let (pointer, hint) = match pointer.strip_prefix("/tip") {
+        Some(_) => ("/srdf", "; the tips are the links of its end effectors; state `tips` to name them otherwise"),
+        None => (pointer.as_str(), ""),
+    };
+    ApiError::invalid(pointer, format!("{}{hint}", wire.detail)).with_candidates(&wire.candidates)
 }
 
 /// Returns the registration with the links of the end effectors of its SRDF text as tip or tips; `None` if it names some, or the text has

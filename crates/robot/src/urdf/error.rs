@@ -110,8 +110,8 @@ pub enum UrdfError {
     },
     /// A joint of the chain has a type that a serial arm cannot have.
     #[error(
-        "joint `{joint}` of the chain is {kind}; a chain has fixed, revolute, continuous and prismatic joints without `mimic`. \
-         `tips` instead of `tip` reads the tree, with `mimic`"
+        "joint `{joint}` of the chain is {kind}; a chain has fixed, revolute, continuous and prismatic joints without `mimic`{}",
+        remedy_for(.kind)
     )]
     Kind {
         /// The joint.
@@ -120,7 +120,7 @@ pub enum UrdfError {
         kind: String,
     },
     /// A joint of a tree has a type that it cannot have.
-    #[error("joint `{joint}` is {kind}; only fixed, revolute, continuous and prismatic joints are supported")]
+    #[error("joint `{joint}` is {kind}; only fixed, revolute, continuous and prismatic joints are supported{}", remedy_for(.kind))]
     TreeKind {
         /// The joint.
         joint: String,
@@ -207,6 +207,16 @@ fn remedies(joints: &[String], remedy: &str) -> String {
 }
 
 /// Returns the first names of a list, each in backquotes.
+/// Returns what to do about a joint of an unsupported type.
+fn remedy_for(kind: &str) -> &'static str {
+    match kind {
+        "mimic" => ". `tips` instead of `tip` reads the tree, with `mimic`",
+        "planar" => ". Replace it by two prismatic joints and a continuous one",
+        "floating" => ". Replace it by three prismatic and three continuous joints, or fix it",
+        _ => "",
+    }
+}
+
 fn list(names: &[String]) -> String {
     let shown: Vec<String> = names.iter().take(MAX_SHOWN).map(|name| format!("`{name}`")).collect();
     match names.len().saturating_sub(MAX_SHOWN) {

@@ -199,6 +199,9 @@ fn joints_of_unsupported_types_are_refused_with_their_type() {
     for kind in ["floating", "planar", "spherical", "hinge"] {
         assert!(message(one(&format!(r#"type="{kind}">"#))).contains(&format!("joint `j` of the chain is {kind}")));
     }
+    let remedy = |kind: &str| message(one(&format!(r#"type="{kind}">"#)));
+    assert!(remedy("planar").contains("Replace it by two prismatic joints and a continuous one"));
+    assert!(!remedy("revolut").contains("tips"), "`tips` does not help");
     assert!(message(one(">")).contains("joint `j` needs a type"));
 }
 
