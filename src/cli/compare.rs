@@ -90,8 +90,8 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     check_names(&options.scenarios, &scenarios)?;
     let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), CallMode::Session)?;
     let own = options.scenarios.iter().map(|name| runner.scenario(name)).collect::<Result<Vec<_>, _>>()?;
-    for scenario in &own {
-        runner.warn(scenario)?;
+    for (scenario, name) in own.iter().zip(&options.scenarios) {
+        runner.warn(scenario, name)?;
     }
     // The service has answered. A wrong address or an invalid scenario leaves no directory.
     let out = options.out.create(&command(options))?;

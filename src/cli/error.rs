@@ -48,7 +48,7 @@ pub enum CliError {
     #[error(transparent)]
     RobotArgument(#[from] RobotArgumentError),
     /// The name of a robot is not valid or already in use.
-    #[error("--robot: {0}; choose another name: `FILE,name=NAME`")]
+    #[error("--robot: {0}; write `FILE,name=NAME`")]
     Robots(#[from] RobotsError),
     /// The name of a file of `--robots-dir` is not valid or already in use.
     #[error("--robots-dir: {path}: {source}; rename the file")]
@@ -61,6 +61,14 @@ pub enum CliError {
     /// The scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The service refuses the controller of a scenario file.
+    #[error("{place}: {refusal}")]
+    RefusedScenario {
+        /// The file and the line of the field.
+        place: String,
+        /// What the service says.
+        refusal: ClientError,
+    },
     /// The run ended early.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -166,6 +174,7 @@ impl CliError {
     /// Returns how to give the program the token of a service that refused a request without it.
     pub fn advice(&self) -> Option<&'static str> {
         let (Self::Client(refusal)
+        | Self::RefusedScenario { refusal, .. }
         | Self::RobotArgument(RobotArgumentError::Client(refusal))
         | Self::Run(RunError::Service { source: refusal, .. })
         | Self::Replay(ReplayError::Run(RunError::Service { source: refusal, .. }))) = self

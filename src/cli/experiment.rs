@@ -60,16 +60,17 @@ impl ExperimentRunner {
         Ok(scenario)
     }
 
-    /// Prints the warnings of the service about this scenario. The session for this check is closed at once.
-    pub fn warn(&self, scenario: &Scenario) -> Result<(), CliError> {
+    /// Prints the warnings of the service about this scenario, which has this name or path. The session for this check is closed at once.
+    pub fn warn(&self, scenario: &Scenario, name_or_path: &str) -> Result<(), CliError> {
         let calls = self.service.calls();
         let created = match calls.create_controller(&scenario.controller_in_environment()) {
             Err(ClientError::Refused { problem, .. }) if is_about_environment(&problem) => {
                 print_remark(format_args!("warning: stability is not checked: {}", problem.detail));
-                calls.create_controller(&scenario.controller)?
+                calls.create_controller(&scenario.controller)
             }
-            created => created?,
+            created => created,
         };
+        let created = created.map_err(|refusal| refused_scenario(refusal, name_or_path))?;
         calls.delete_controller(&created.id)?;
         for warning in created.warnings {
             print_remark(format_args!("warning: {warning}"));
@@ -122,6 +123,18 @@ pub fn visible_bar(periods: u64, label: &str) -> ProgressBar {
         print_remark(format_args!("running {label}"));
     }
     bar
+}
+
+/// Adds the line of a scenario file to a refusal that names a field.
+fn refused_scenario(refusal: ClientError, name_or_path: &str) -> CliError {
+    let pointer = match &refusal {
+        ClientError::Refused { problem, .. } => problem.pointer.as_deref(),
+        ClientError::Transport { .. } | ClientError::UnexpectedAnswer { .. } => None,
+    };
+    match pointer.and_then(|pointer| Scenario::place_of_controller_field(name_or_path, pointer)) {
+        Some(place) => CliError::RefusedScenario { place, refusal },
+        None => refusal.into(),
+    }
 }
 
 fn is_about_environment(problem: &Problem) -> bool {

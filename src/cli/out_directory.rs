@@ -71,19 +71,23 @@ impl Report {
 
     /// Moves the files of the report to a new subdirectory, and returns it. Files that the report does not name stay.
     fn set_aside(&self, out: &Path) -> Result<PathBuf, CliError> {
-        let mut numbered = (1_u64..).map(|number| out.join(format!("earlier-{number}")));
-        let earlier = numbered.find(|directory| !directory.exists()).unwrap_or_else(|| out.join("earlier"));
-        let failed = |source| CliError::Directory { path: earlier.clone(), source };
-        make_directory(&earlier)?;
-        for entry in fs::read_dir(out).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(failed)? {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let is_named = || self.names(&name);
-            if entry.path().is_file() && (REPORT_FILES.contains(&name.as_str()) || is_named()) {
-                fs::rename(entry.path(), earlier.join(&name)).map_err(failed)?;
-            }
-        }
-        Ok(earlier)
+        set_aside(out, |name| REPORT_FILES.contains(&name) || self.names(name))
     }
+}
+
+/// Moves files, by their names, to a new subdirectory `earlier-1`, `earlier-2` and so on, and returns it.
+pub fn set_aside(out: &Path, moves: impl Fn(&str) -> bool) -> Result<PathBuf, CliError> {
+    let mut numbered = (1_u64..).map(|number| out.join(format!("earlier-{number}")));
+    let earlier = numbered.find(|directory| !directory.exists()).unwrap_or_else(|| out.join("earlier"));
+    let failed = |source| CliError::Directory { path: earlier.clone(), source };
+    make_directory(&earlier)?;
+    for entry in fs::read_dir(out).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(failed)? {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.path().is_file() && moves(&name) {
+            fs::rename(entry.path(), earlier.join(&name)).map_err(failed)?;
+        }
+    }
+    Ok(earlier)
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let mut scenario = runner.scenario(&options.scenario)?;
     scenario.controller.method = options.method.unwrap_or(scenario.controller.method);
     scenario.controller.solver = options.solver.unwrap_or(scenario.controller.solver);
-    runner.warn(&scenario)?;
+    runner.warn(&scenario, &options.scenario)?;
     // The service has answered. A wrong address or an invalid scenario leaves no directory.
     let command = command(options, &scenario);
     let out = options.out.create(&command)?;

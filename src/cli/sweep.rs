@@ -21,7 +21,7 @@ use revprio_lab::sweep::{self, MEASURES, Partial, Plan, Rows, Seeds, Variation, 
 
 use super::error::CliError;
 use super::known::ScenarioName;
-use super::out_directory::make_directory;
+use super::out_directory::{make_directory, set_aside};
 use super::output::{print_remark, print_text};
 use super::progress_bar::progress_bar;
 use super::service_choice::server_address;
@@ -56,7 +56,8 @@ pub struct Options {
     /// Measures to draw
     #[arg(long, value_delimiter = ',', default_value = "rmse_force_x_n,peak_force_x_n,settling_time_s")]
     draw: Vec<String>,
-    /// Directory for table and figures
+    /// Directory for table and figures. If it has the table of another sweep of this name, that one moves to its subdirectory
+    /// `earlier-1`, `earlier-2` and so on
     #[arg(long, default_value = "revprio-out")]
     out: PathBuf,
 }
@@ -168,6 +169,10 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
         .map_err(CliError::Sweep)?;
     let kinds: Vec<(String, Kind)> = sweep::columns(&variations);
     let path = options.out.join(format!("{label}.parquet"));
+    if path.exists() && !sweep::is_table_of(&path, &whole.identity) {
+        let earlier = set_aside(&options.out, |name| is_file_of(name, label))?;
+        print_remark(format_args!("the table of another sweep is now in {}", earlier.display()));
+    }
     let written = sweep::write(&path, &whole.identity, &kinds, &whole.rows);
     written.map_err(|error| CliError::Sweep(format!("cannot write {}: {error}", path.display())))?;
     let drawn = figures::write(&options.out, label, &variations, &options.draw, &kinds, &whole.rows)?;
@@ -184,6 +189,14 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
         print_text(format_args!("figure: {}\n", figure.display()))?;
     }
     Ok(())
+}
+
+/// Returns whether a file is the table or a figure of a sweep.
+fn is_file_of(name: &str, label: &str) -> bool {
+    let rest = name.strip_prefix(label);
+    rest.is_some_and(|rest| {
+        rest == ".parquet" || rest.starts_with('-') && (rest.ends_with(".png") || rest.ends_with(".svg"))
+    })
 }
 
 /// Formats why cells were refused or failed: each cause once, with the number of its cells.

@@ -119,6 +119,13 @@ fn errors_name_the_scenario_the_line_and_the_server() {
     let message = failure(&["simulate", &misspelt]);
     let text = "there is no field `duration`; did you mean `duration_s`? known: `name`, ";
     assert!(message.contains("line 5") && message.contains(text), "{message}");
+    let other = short("stiff_wall", "duration_s = 0.1").replacen("robot = \"sawyer_dh\"", "robot = \"sawer_dh\"", 1);
+    let place = other.lines().position(|line| line.starts_with("robot = ")).unwrap() + 1;
+    let refused = scratch.write("refused.toml", &other);
+    for command in ["simulate", "compare"] {
+        let message = failure(&[command, &refused]);
+        assert!(message.contains(&format!("refused.toml, line {place}: ")) && message.contains("sawer"), "{message}");
+    }
     let message = failure(&["simulate", "stiff_wall", "--server", "http://127.0.0.1:9"]);
     assert!(
         message.contains("no answer from http://127.0.0.1:9") && message.contains("is the service running"),

@@ -83,6 +83,23 @@ fn interrupt(arguments: &[&str], out: &Path) {
 }
 
 #[test]
+fn no_table_of_another_sweep_is_overwritten() {
+    let (scratch, file) = scenario("sweep_earlier");
+    let run = |lag: &str| {
+        let vary = format!("loop.lag_s={lag}");
+        program(&["sweep", &file, "--out", &scratch.argument("out"), "--vary", &vary]).output().unwrap()
+    };
+    let (out, remark) = (scratch.path().join("out"), "table of another sweep");
+    let said = |output: &std::process::Output| String::from_utf8_lossy(&output.stderr).contains(remark);
+    assert!(!said(&run("0,0.005")));
+    let (first, names) = (table(&out), files(&out));
+    assert!(!said(&run("0,0.005")), "the same sweep");
+    assert!(said(&run("0,0.004")));
+    assert!(table(&out.join("earlier-1")) == first && table(&out) != first);
+    assert_eq!(files(&out.join("earlier-1")), names);
+}
+
+#[test]
 fn failed_cells_are_rows_of_the_table() {
     let (scratch, file) = scenario("sweep_wrong");
     let vary = ["--vary", "environment.stiffness=-1,1e3", "--vary", "controller.tasks.0.law.inertia=-15,15"];

@@ -222,6 +222,17 @@ impl Scenario {
         }
     }
 
+    /// Returns where a field of the controller, by its JSON pointer, is in the file of a scenario; `None` for a scenario that ships with the
+    /// crate. The file may be JSON, whose lines are not known.
+    pub fn place_of_controller_field(name_or_path: &str, pointer: &str) -> Option<String> {
+        if Self::built_in(name_or_path).is_some() {
+            return None;
+        }
+        let text = std::fs::read_to_string(name_or_path).ok()?;
+        let line = toml_lines::line_of(&text, &format!("/controller{pointer}"));
+        Some(format!("{name_or_path}{}", line.map(|line| format!(", line {line}")).unwrap_or_default()))
+    }
+
     /// Returns the controller with an environment, so that the service can warn about instability. If the controller has none,
     /// it is made of the contacts and the velocity loop: contacts on the same axis are added, and an oblique plane
     /// contributes its share to each axis.

@@ -42,9 +42,8 @@ pub struct Written {
 
 /// Reads a sweep file.
 pub fn read(path: &Path) -> Result<Written> {
-    let foreign = || ParquetError::General("the file is not a table of a sweep".to_owned());
     let file = ParquetReader::open(File::open(path)?)?;
-    let identity = file.text(KEY).and_then(|text| serde_json::from_str(text).ok()).ok_or_else(foreign)?;
+    let identity = identity(&file)?;
     let mut rows = Rows::new();
     file.read(|group| {
         for row in 0..group.first().map_or(0, Vec::len) {
@@ -54,6 +53,20 @@ pub fn read(path: &Path) -> Result<Written> {
         Ok::<_, ParquetError>(())
     })?;
     Ok(Written { identity, rows })
+}
+
+/// Returns whether a file is the table of this sweep.
+pub fn is_table_of(path: &Path, sweep: &Identity) -> bool {
+    let open = || identity(&ParquetReader::open(File::open(path)?)?);
+    open().is_ok_and(|found| found == *sweep)
+}
+
+fn identity(file: &ParquetReader<File>) -> Result<Identity> {
+    file.text(KEY).and_then(|text| serde_json::from_str(text).ok()).ok_or_else(foreign)
+}
+
+fn foreign() -> ParquetError {
+    ParquetError::General("the file is not a table of a sweep".to_owned())
 }
 
 /// Merges the parts of a sweep.

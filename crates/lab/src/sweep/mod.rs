@@ -19,7 +19,7 @@ mod table;
 mod values;
 
 pub use cell_run::row;
-pub use file::{Written, merge, write};
+pub use file::{Written, is_table_of, merge, write};
 pub use partial::{Partial, Rows};
 pub use plan::{Identity, Plan};
 pub use table::{MEASURES, columns};

@@ -91,7 +91,7 @@ pub enum Place {
 }
 
 /// All quantities; rows are grouped by the first one.
-pub static QUANTITIES: [Quantity; 28] = [
+pub static QUANTITIES: [Quantity; 29] = [
     identifier("scenario", |row| row.scenario.clone()),
     identifier("method", Row::method_name),
     identifier("solver", Row::solver_name),
@@ -113,6 +113,7 @@ pub static QUANTITIES: [Quantity; 28] = [
     detail("share of speed limit", "%", SPEED_USE, |row| percent(row.limits.speed_use)),
     detail("time at limits", "s", AT_LIMITS, |row| significant(row.limits.at_limits_s, 3)),
     column(LIMIT_EXCESS_HEADING, "", LIMIT_EXCESS, |row| limit_excess(&row.limits)),
+    detail("least distance", "m", LEAST_DISTANCE, |row| optional(row.metrics.least_distance_m, 3)),
     column("solved by", "periods", PATHS, solved_by),
     detail("status", "periods", STATUS, |row| counted(&row.metrics.statuses)),
     detail("largest KKT residual", "", KKT, |row| optional(row.metrics.largest_kkt_residual, 2)),
@@ -150,6 +151,7 @@ const AT_LIMITS: &str =
     "simulated time in which a limit is active or exceeded for at least one joint, according to the answers";
 const LIMIT_EXCESS: &str = "largest excess of position, commanded speed and commanded acceleration over the controller's \
      limits in the recorded motion; – if no limit is exceeded; the solver `closed_form` ignores limits";
+const LEAST_DISTANCE: &str = "smallest distance of the pairs of shapes that the controller watches, negative where they intersect; compare it with `min_distance_m`";
 const DIFFERENCE: &str = "largest difference between the commanded velocity of any joint and the closed form of the same \
      scenario and method";
 const PATHS: &str = "number of control periods by the way of the solution: `auto` needs no active limit, or finds the set of \
