@@ -28,6 +28,9 @@ const CALM_GAIN: f64 = 2.0 / 3.0;
 /// Number of postures at which a row must be zero to count as one that no joint moves. One is enough unless a row happens to be zero there.
 const SAMPLED_POSTURES: usize = 3;
 
+/// Largest offset of these postures, rad or m. Far from zero, rounding hides which rows are zero.
+const SAMPLED_RANGE: f64 = 3.0;
+
 /// Length of a row, relative to the longest one and to 1, that rounding leaves of zero: some thousand times 2⁻⁵².
 const UNMOVED: f64 = 1e-12;
 
@@ -244,9 +247,10 @@ fn sampled_posture(robot: &RobotModel, sample: usize) -> Vec<f64> {
     // Multiples of irrational numbers, less their integral parts, repeat nowhere.
     let share = |joint: usize| (0.618_034 * (sample + 1) as f64 + 0.754_878 * joint as f64).fract();
     let position = |(joint, description): (usize, &Joint)| {
-        let half_range = half_range(&description.limits).unwrap_or(1.0);
+        let half_range = half_range(&description.limits).unwrap_or(1.0).min(SAMPLED_RANGE);
         let middle = f64::midpoint(description.limits.lower, description.limits.upper);
-        (if middle.is_finite() { middle } else { 0.0 }) + half_range * (2.0 * share(joint) - 1.0)
+        let middle = if middle.abs() < SAMPLED_RANGE { middle } else { 0.0 };
+        middle + half_range * (2.0 * share(joint) - 1.0)
     };
     robot.joints().iter().enumerate().map(position).collect()
 }
