@@ -193,10 +193,10 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
 
 /// Returns whether a file is the table or a figure of a sweep.
 fn is_file_of(name: &str, label: &str) -> bool {
-    let rest = name.strip_prefix(label);
-    rest.is_some_and(|rest| {
-        rest == ".parquet" || rest.starts_with('-') && (rest.ends_with(".png") || rest.ends_with(".svg"))
-    })
+    let Some((stem, ending)) = name.rsplit_once('.') else { return false };
+    let is_figure =
+        stem.strip_prefix(label).is_some_and(|rest| rest.starts_with('-')) && ["png", "svg"].contains(&ending);
+    is_figure || (stem, ending) == (label, "parquet")
 }
 
 /// Formats why cells were refused or failed: each cause once, with the number of its cells.
