@@ -106,22 +106,6 @@ fn constraints_yield_to_those_of_higher_levels() {
     }
 }
 
-/// Distances, in the upper levels, give way by the least squares in m/s, so that a short lever does not outweigh a long one; other constraints by those of
-/// joint speed.
-#[test]
-fn distances_give_way_in_metres_per_second() {
-    let (mut qp, mut core) = (Qp::default(), Resolver::default());
-    // x ≥ 0.5, and 0.1 x ≤ −0.05.
-    for (level, expected) in [(0, 0.495 / 1.01), (1, 0.495 / 1.01), (2, 0.0)] {
-        let constraints = [(vec![-1.0, 0.0], -0.5, level), (vec![0.1, 0.0], -0.05, level)];
-        let problem = constrained(&[0.1, 0.2], &constraints, None);
-        for solver in [&mut qp as &mut dyn Solve, &mut core] {
-            let answer = solve(solver, &problem);
-            assert!((answer.joint_velocity[0] - expected).abs() < 1e-9, "{level}: {}", answer.joint_velocity);
-        }
-    }
-}
-
 /// Random constraints of random levels: both solvers agree, also with damping, and no level is violated more than without those below it.
 #[test]
 fn no_level_of_constraints_pays_for_a_lower_one() {

@@ -14,7 +14,7 @@ pub struct Inequality {
     level: u8,
 }
 
-/// The level of an inequality that states none; distances to what stands and to what moves have those above. Levels are counted from 0, the highest: an inequality yields to those of higher levels.
+/// The level of an inequality that states none. Levels are counted from 0, the highest: an inequality yields to those of higher levels.
 pub const LOWEST_CONSTRAINT_LEVEL: u8 = 2;
 
 /// Why an inequality is refused.
@@ -107,14 +107,6 @@ impl Inequality {
     /// Returns a·q̇, for q̇ of n entries.
     pub fn value(&self, joint_velocity: &Vector) -> f64 {
         self.coefficients.dot(joint_velocity)
-    }
-
-    /// Returns what a violation is divided by before it is squared: 1 for a distance, whose violation counts in m/s at the nearest points, and
-    /// ‖a‖ otherwise, so that it counts as joint speed. 1 if a is zero.
-    pub fn violation_unit(&self) -> f64 {
-        let is_distance = self.level < LOWEST_CONSTRAINT_LEVEL;
-        let norm = self.coefficients.norm();
-        if is_distance || norm == 0.0 { 1.0 } else { norm }
     }
 
     /// Returns the excess of a·q̇ over b in units of joint speed, (a·q̇ − b)/‖a‖; 0 if it is not above rounding.

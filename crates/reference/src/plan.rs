@@ -173,7 +173,7 @@ impl<'a> Posed<'a> {
     }
 }
 
-/// Adds the levels of the hard inequalities, with rows in the unit of their violation.
+/// Adds the levels of the hard inequalities, with rows of length one: they are violated by the least joint speed.
 fn push_inequalities(problem: &Problem, hierarchy: &mut Hierarchy) {
     let mut levels: Vec<(u8, Level)> = Vec::new();
     for (id, inequality) in problem.constraint_rows() {
@@ -181,9 +181,10 @@ fn push_inequalities(problem: &Problem, hierarchy: &mut Hierarchy) {
             levels.push((inequality.level(), Level::new(hierarchy.unknowns())));
         }
         let Some((_, level)) = levels.last_mut() else { continue };
-        let unit = inequality.violation_unit();
+        let norm = inequality.coefficients().norm();
+        let norm = if norm > 0.0 { norm } else { 1.0 };
         let row = Matrix::from_row_slice(1, inequality.coefficients().len(), inequality.coefficients().as_slice());
-        level.push(&(row / unit), &[f64::NEG_INFINITY], &[inequality.bound() / unit], |_| Some(id));
+        level.push(&(row / norm), &[f64::NEG_INFINITY], &[inequality.bound() / norm], |_| Some(id));
     }
     for (_, level) in levels {
         hierarchy.push(level);

@@ -90,17 +90,17 @@ pub fn write_bounds(problem: &Problem, hierarchy: &Hierarchy, solution: &Solutio
                 continue;
             }
             let side = Side::of_multiplier(multiplier);
-            let (value, unit) = match id {
-                // Constraints have rows in the unit of their violation.
+            let (value, length) = match id {
+                // Constraints have rows of length one.
                 BoundId::Constraint { .. } => {
                     let found = problem.constraint_rows().find(|(other, _)| *other == id);
-                    found.map_or((f64::INFINITY, 1.0), |(_, row)| (row.bound(), row.violation_unit()))
+                    found.map_or((f64::INFINITY, 1.0), |(_, row)| (row.bound(), row.coefficients().norm()))
                 }
                 _ if side == Side::Lower => (level.lower[row], 1.0),
                 _ => (level.upper[row], 1.0),
             };
             let bound = Bound { id, side };
-            answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / unit });
+            answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
         }
     }
     // The levels need not be in the order of the names.

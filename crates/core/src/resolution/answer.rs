@@ -129,7 +129,7 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy,
         ActiveBound { bound, value, multiplier: multiplier.abs() }
     };
     refill(&mut answer.active_bounds, bounds.filter(is_active).map(active));
-    // The rows of the constraints are the first ones, in the unit of their violation.
+    // The rows of the constraints are the first ones, with length one.
     let mut constraints = problem.constraint_rows();
     for &index in &levels.inequalities {
         let (row, multiplier) = (&levels.rows[index], solution.row_multipliers[index]);
@@ -137,10 +137,10 @@ fn report_bounds(answer: &mut Resolution, problem: &Problem, levels: &Hierarchy,
         let constraint = if is_constraint { constraints.next() } else { None };
         let Some(id) = row.origin.filter(|_| multiplier != 0.0) else { continue };
         let side = Side::of_multiplier(multiplier);
-        let (value, unit) = constraint
-            .map_or((row.bound(side), 1.0), |(_, inequality)| (inequality.bound(), inequality.violation_unit()));
+        let (value, length) = constraint
+            .map_or((row.bound(side), 1.0), |(_, inequality)| (inequality.bound(), inequality.coefficients().norm()));
         let bound = Bound { id, side };
-        answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / unit });
+        answer.active_bounds.push(ActiveBound { bound, value, multiplier: multiplier.abs() / length });
     }
 }
 

@@ -175,9 +175,11 @@ impl Writer<'_> {
             if level.replace(inequality.level()).is_some_and(|above| above != inequality.level()) {
                 levels.end_level();
             }
-            let unit = inequality.violation_unit();
-            let demand = Demand::between(f64::NEG_INFINITY, inequality.bound() / unit, Some(id));
-            levels.push_row(inequality.coefficients().iter().map(|entry| entry / unit), demand);
+            // Rows of length one: they are broken by the least joint speed.
+            let norm = inequality.coefficients().norm();
+            let norm = if norm > 0.0 { norm } else { 1.0 };
+            let demand = Demand::between(f64::NEG_INFINITY, inequality.bound() / norm, Some(id));
+            levels.push_row(inequality.coefficients().iter().map(|entry| entry / norm), demand);
         }
         levels.end_level();
     }
