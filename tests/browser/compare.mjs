@@ -208,6 +208,11 @@ test('a new start ends one that still waits for the service, and leaves no run b
     await new Promise((resolve) => { setTimeout(resolve, 1000); });
     await route.continue().catch(() => {});
   });
+  await page.evaluate(() => {
+    const pill = document.getElementById('phase');
+    globalThis.phases = [];
+    new MutationObserver(() => globalThis.phases.push(pill.dataset.phase)).observe(pill, { attributes: true });
+  });
   const restart = () => page.evaluate(() => document.getElementById('apply').click());
   await Promise.all([page.waitForRequest('**/control'), restart()]);
   await restart();
@@ -215,6 +220,8 @@ test('a new start ends one that still waits for the service, and leaves no run b
   await waitForState(page, 'phase', 'running');
   await page.waitForTimeout(1500);
   assert.equal(await page.getAttribute('#phase', 'data-phase'), 'running');
+  const phases = await page.evaluate(() => globalThis.phases);
+  assert.ok(phases.includes('starting') && !phases.includes('paused'), `a start is no pause: ${phases}`);
   assert.match(await page.textContent('#scene-legend'), /Pseudo-inverse/);
   const left = () => made.filter((id) => !deleted.some((path) => path.endsWith(id)));
   for (let tries = 0; left().length !== 2 && tries < 100; tries += 1) await page.waitForTimeout(100);

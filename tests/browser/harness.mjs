@@ -106,11 +106,20 @@ export async function withSetup(browser, url, body, context = {}) {
     await waitForState(page, 'connection', 'ready');
     await body(page);
     assert.deepEqual(pageErrors, []);
+  } catch (error) {
+    error.message += `; ${await shown(page, pageErrors)}`;
+    throw error;
   } finally {
     // The page deletes its runs when it is left. The service accepts only a few.
     await page.goto('about:blank');
     await close();
   }
+}
+
+/** What a page shows when a test fails: its state and its messages. */
+async function shown(page, pageErrors) {
+  const texts = await page.evaluate(() => ['connection', 'phase', 'notice', 'ghosts'].map((id) => `${id}: ${document.getElementById(id)?.textContent.trim().replace(/\s+/g, ' ')}`));
+  return [...texts, ...pageErrors].join('; ');
 }
 
 /** Waits until a pill (`connection` or `phase`) shows one of `values`. */

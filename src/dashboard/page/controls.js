@@ -95,7 +95,7 @@ function bindSetup(runControl, attempt) {
     element('speed-value').textContent = `${speed}×`;
     change({ speed });
   };
-  button('apply').onclick = () => attempt(() => runControl.start(state.value.phase === 'paused'));
+  button('apply').onclick = () => attempt(() => runControl.start(runControl.isPaused));
   runControl.showSetup = () => {
     showSetup(runControl, change);
     saveInAddress();

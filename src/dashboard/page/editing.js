@@ -162,7 +162,7 @@ function isPending({ applied, running, ghosts, setup }) {
 /** @typedef {{run: Run | null, ghosts: Run[], paused: boolean}} Runs */
 
 /** @type {(runControl: RunControl) => Runs} */
-const currentRuns = ({ run, ghosts }) => ({ run, ghosts, paused: state.value.phase === 'paused' });
+const currentRuns = ({ run, ghosts, isPaused }) => ({ run, ghosts, paused: isPaused });
 
 /** Continues runs from their last posture with the changed tasks and planes. @type {(runControl: RunControl, of: Runs) => Promise<void>} */
 async function restart(runControl, { run, ghosts, paused }) {

@@ -81,6 +81,10 @@ export class RunControl {
     this.lastApplied = null;
     /** Number of starts and resets so far. */
     this.starts = 0;
+    /** Whether the latest start leaves its run paused. */
+    this.startsPaused = false;
+    /** Whether the service has the runs paused only until all of them are made. */
+    this.begins = false;
     /** Ends when the service has deleted the runs of before. @type {Promise<unknown>} */
     this.deletion = Promise.resolve();
     this.lastMoveTime = -Infinity;
@@ -98,6 +102,12 @@ export class RunControl {
   /** Returns whether a run goes on or is paused. */
   get isActive() {
     return this.run !== null && ['running', 'paused', 'starting'].includes(state.value.phase);
+  }
+
+  /** Returns whether the run is paused, or will be when it has started. */
+  get isPaused() {
+    const { phase } = state.value;
+    return phase === 'starting' ? this.startsPaused : phase === 'paused';
   }
 
   /** The scenario with the changes of the setup. @returns {Scenario | null} */
@@ -262,19 +272,21 @@ export class RunControl {
     state.set({ phase: 'starting' });
     this.running = scenario;
     const isLatest = this.supersede();
-    const waits = paused || ghosts.length > 0;
+    this.startsPaused = paused;
+    this.begins = !paused && ghosts.length > 0;
     const runs = 1 + ghosts.length;
     try {
       // The service limits the number of runs, so the old ones must be gone first.
       await this.deletion;
       for (const part of [{ method: setup.method, scenario, history }, ...ghosts]) {
         if (!isLatest()) return;
-        const run = await this.startRun(setups.request(part.scenario, setup, part.method, waits, runs), part.history);
+        const run = await this.startRun(setups.request(part.scenario, setup, part.method, paused || this.begins, runs), part.history);
         if (!isLatest()) return this.delete([run]);
         if (part.history === history) this.run = run;
         else this.ghosts.push(run);
       }
-      if (waits && !paused) await this.sendControl({ paused: false });
+      if (this.begins) await this.sendControl({ paused: false });
+      if (isLatest()) this.begins = false;
     } catch (error) {
       if (!isLatest()) return;
       this.reset();
@@ -303,7 +315,8 @@ export class RunControl {
   updatePhase() {
     if (this.run) {
       const { state: now, interactive, error } = this.run.simulation;
-      const phase = now === 'queued' ? 'starting' : now === 'running' ? (interactive?.paused ? 'paused' : 'running') : now;
+      const own = !interactive?.paused ? 'running' : this.begins ? 'starting' : 'paused';
+      const phase = now === 'queued' ? 'starting' : now === 'running' ? own : now;
       if (phase === 'failed' && state.value.phase !== 'failed') this.onError(new Error(error ?? 'the run failed'));
       if (state.value.phase !== 'lost') state.set({ phase });
     }
@@ -331,6 +344,7 @@ export class RunControl {
     this.run = null;
     this.ghosts = [];
     this.wasPushed = false;
+    this.begins = false;
     this.running = null;
     this.cursor = null;
     this.dragged = null;
