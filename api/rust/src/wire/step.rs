@@ -250,12 +250,13 @@ pub struct Progress {
     pub left_at: Option<f64>,
 }
 
-/// A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
+/// A task that makes no progress: over half a second, it achieves less than 5 % of the velocity that it requests, or less than 5 % of its
+/// request is passed on, see `request_share`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StuckTask {
     /// Name of the task.
     pub task: String,
-    /// Time since which it makes no progress, s.
+    /// Time since which it makes no progress, or since which requests fade, s.
     #[schema(example = 3.2)]
     pub since_s: f64,
     /// What holds it back; empty while the arm leaves the posture, and where nothing but its own request does, which fades.

@@ -93,11 +93,14 @@ impl Arm {
 
 /// Returns a Panda with capsules, with its jerk limits or without.
 fn panda(with_jerk: bool) -> Arc<RobotModel> {
+    panda_with_jerk(|limits| if with_jerk { limits.jerk } else { f64::INFINITY })
+}
+
+/// Returns a Panda with capsules and other jerk limits.
+fn panda_with_jerk(jerk: impl Fn(&JointLimits) -> f64) -> Arc<RobotModel> {
     let panda = built_in().iter().find(|robot| robot.name() == "panda").unwrap();
-    let joint = |joint: &Joint| {
-        let jerk = if with_jerk { joint.limits.jerk } else { f64::INFINITY };
-        Joint { limits: JointLimits { jerk, ..joint.limits }, ..joint.clone() }
-    };
+    let joint =
+        |joint: &Joint| Joint { limits: JointLimits { jerk: jerk(&joint.limits), ..joint.limits }, ..joint.clone() };
     let joints = panda.joints().iter().map(joint).collect();
     let tool = panda.tool() * IsometryMatrix3::translation(0.0, 0.0, 0.09);
     let robot = RobotModel::new("panda", "", joints, tool).unwrap();

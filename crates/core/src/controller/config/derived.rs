@@ -31,7 +31,7 @@ const SAMPLED_POSTURES: usize = 3;
 /// Largest offset of these postures, rad or m. Far from zero, rounding hides which rows are zero.
 const SAMPLED_RANGE: f64 = 3.0;
 
-/// Length of a row, relative to the longest one and to 1, that rounding leaves of zero: some thousand times 2⁻⁵².
+/// Length that rounding leaves of a row of zero, relative to 1 or to the largest distance of a joint from the base: some thousand times 2⁻⁵².
 const UNMOVED: f64 = 1e-12;
 
 impl ControllerConfig {
@@ -186,12 +186,17 @@ impl ControllerConfig {
             for (task, jacobian) in self.tasks.iter().zip(&mut jacobians) {
                 task.rows.write_jacobian(arm.later(&configuration, 0.0), jacobian);
             }
-            let longest = jacobians.iter().flat_map(Matrix::row_iter).map(|row| row.norm()).fold(1.0, f64::max);
+            let distances = (0..n).map(|joint| configuration.joint_origin(joint).norm());
+            let reach = distances.fold(configuration.tool_pose().translation.vector.norm(), f64::max);
             for ((task, jacobian), moved) in self.tasks.iter().zip(&jacobians).zip(&mut moved) {
-                // Raw rows are not rounded.
-                let rounding = if matches!(task.rows, TaskRows::Raw(_)) { 0.0 } else { UNMOVED * longest };
-                for (row, moved) in jacobian.row_iter().zip(moved) {
-                    *moved |= row.norm() > rounding;
+                for ((row, entries), moved) in jacobian.row_iter().enumerate().zip(moved) {
+                    let rounding = match task.rows.is_angular(row, &self.robot) {
+                        Some(true) => UNMOVED,
+                        Some(false) => UNMOVED * reach,
+                        // Raw rows are not rounded.
+                        None => 0.0,
+                    };
+                    *moved |= entries.norm() > rounding;
                 }
             }
         }

@@ -38,6 +38,8 @@ pub(super) struct Wishes<'a> {
 pub(super) struct Requests<'a> {
     /// The target of each task.
     pub targets: &'a [TaskTarget],
+    /// Whether a joint moves each row of each task at some posture.
+    pub moved: &'a [Vec<bool>],
     /// The streams of targets.
     pub streams: &'a [ActiveStream],
     /// The axes with the contact law.
@@ -59,6 +61,8 @@ pub(super) struct Aiming {
     targets: Vec<TaskTarget>,
     streams: Vec<ActiveStream>,
     bounds: RequestBounds,
+    /// Whether a joint moves each row of each task at some posture.
+    moved: Vec<Vec<bool>>,
     gains: Gains,
     contacts: Contacts,
     look_ahead: Option<LookAhead>,
@@ -81,7 +85,8 @@ impl Aiming {
                 ..Problem::new(tasks)
             },
             streams: Vec::new(),
-            bounds: RequestBounds::new(config, moved),
+            bounds: RequestBounds::new(config),
+            moved,
             gains: Gains::default(),
             contacts: Contacts::new(config),
             look_ahead: LookAhead::new(config),
@@ -111,15 +116,12 @@ pub(super) fn aim<'a>(
     arm: &ArmState,
     previous: &Memory,
     measurement: &Measurement,
-    Aiming { problem, targets, streams, bounds, gains, contacts, look_ahead, channels }: &'a mut Aiming,
+    Aiming { problem, targets, streams, bounds, moved, gains, contacts, look_ahead, channels }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;
     streams::update(streams, previous, (&measurement.targets, &measurement.chunks), arm, config);
     channels::update(channels, previous, measurement, streams, (arm, config));
-    tasks.overwrite_jacobians(|k, jacobian| {
-        config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
-        config.weigh_jacobian(k, jacobian);
-    })?;
+    tasks.overwrite_jacobians(|k, jacobian| write_jacobian(k, &moved[k], (config, arm), jacobian))?;
     bounds.start_period();
     gains.start(previous.rest.as_ref(), config.tasks.len());
     contacts.start_period(config, arm, previous, tasks);
@@ -131,7 +133,7 @@ pub(super) fn aim<'a>(
     match null_space_velocity {
         // An operator who lost the link expects an arm that rests.
         Some(velocity) if streams::have_dropped_out(streams) => velocity.fill(0.0),
-        Some(velocity) => null_space::write(velocity, targets, bounds, (config, arm, previous), tasks),
+        Some(velocity) => null_space::write(velocity, targets, bounds, (config, arm, previous), (tasks, moved)),
         None => {}
     }
     if let (Some(look_ahead), Some(velocity)) = (&mut *look_ahead, null_space_velocity.as_mut()) {
@@ -149,7 +151,23 @@ pub(super) fn aim<'a>(
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
     })?;
     let virtual_arm = look_ahead.as_ref().map(LookAhead::virtual_arm);
-    Ok(Wishes { problem, requests: Requests { targets, streams, contacts, gains, share, virtual_arm, channels } })
+    let requests = Requests { targets, moved, streams, contacts, gains, share, virtual_arm, channels };
+    Ok(Wishes { problem, requests })
+}
+
+/// Writes the weighed Jacobian of task `k` at the posture of rest. Rows that no joint moves at any posture, `moved`, are zero: what rounding
+/// leaves of them is no motion.
+pub(super) fn write_jacobian(
+    k: usize,
+    moved: &[bool],
+    (config, arm): (&ControllerConfig, &ArmState),
+    jacobian: &mut Matrix,
+) {
+    config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
+    config.weigh_jacobian(k, jacobian);
+    for (row, _) in moved.iter().enumerate().filter(|(_, moved)| !**moved) {
+        jacobian.row_mut(row).fill(0.0);
+    }
 }
 
 /// Computes the target of task `k` by its law, bounded by what the joints can give. `tasks`: with the Jacobians of this period.

@@ -36,7 +36,7 @@ impl Recording {
 pub(super) fn record<'a>(
     config: &ControllerConfig,
     (measurement, in_time): (&Measurement, bool),
-    (arm, Requests { targets, streams, contacts, gains, share, virtual_arm, channels }, allowed): (
+    (arm, Requests { targets, streams, contacts, gains, share, virtual_arm, channels, .. }, allowed): (
         &ArmState,
         Requests,
         &Allowed,

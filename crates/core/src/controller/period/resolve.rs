@@ -81,7 +81,7 @@ pub(super) fn resolve<'a>(
     let holding = Holding { config, arm, requests };
     let Some(guard) = guard else {
         holding.update(&mut command.hold, command.resolution.joint_velocity.as_slice(), &problem.tasks);
-        released::report((config, arm, requests.targets), problem, &mut command.resolution, singular)?;
+        released::report((config, arm, requests), problem, &mut command.resolution, singular)?;
         return Ok(Answer { problem, command, limits, requested });
     };
     let moment = Moment { arm, drive_state: &previous.drive };
@@ -91,7 +91,7 @@ pub(super) fn resolve<'a>(
         (&mut *problem, &mut **solver, &mut command.resolution),
         (&previous.active_set, holding, &mut command.hold),
     )?;
-    released::report((config, arm, requests.targets), problem, &mut command.resolution, singular)?;
+    released::report((config, arm, requests), problem, &mut command.resolution, singular)?;
     command.collisions.get_or_insert_default().copy_from(guard.report());
     Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
 }

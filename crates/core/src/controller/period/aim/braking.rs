@@ -78,13 +78,11 @@ pub(super) struct RequestBounds {
     joint_velocity: Vector,
     /// The joint velocities that move tasks, if a null-space motion needs them.
     row_space: RowSpace,
-    /// Whether a joint moves each row of each task at some posture.
-    moved: Vec<Vec<bool>>,
 }
 
 impl RequestBounds {
-    /// Allocates the memory for a checked configuration; `moved`: its [`ControllerConfig::moved_rows`].
-    pub fn new(config: &ControllerConfig, moved: Vec<Vec<bool>>) -> Self {
+    /// Allocates the memory for a checked configuration.
+    pub fn new(config: &ControllerConfig) -> Self {
         let n = config.robot.joint_count();
         let is_pose =
             |task: &TaskConfig| task.rows.joint(&config.robot, 0).is_none() && matches!(task.law, Law::Position(_));
@@ -95,7 +93,7 @@ impl RequestBounds {
         };
         let stacked = config.tasks.iter().enumerate().filter(is_stacked).map(|(k, _)| k).collect();
         let (gram, joint_velocity) = (Matrix::zeros(n, n), Vector::zeros(n));
-        Self { stacked, gram, factors: None, joint_velocity, row_space: RowSpace::default(), moved }
+        Self { stacked, gram, factors: None, joint_velocity, row_space: RowSpace::default() }
     }
 
     /// Starts a period: the Jacobians have changed.
@@ -160,10 +158,10 @@ impl RequestBounds {
         ratios.fold(f64::INFINITY, f64::min) * (moved / config.weight(k, row)).abs()
     }
 
-    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them. A row that no joint moves
-    /// at any posture is not near singular: it is left out.
-    pub fn row_space(&mut self, tasks: &TaskStack) -> &RowSpace {
-        let equations = tasks.tasks().iter().zip(&self.moved).filter(|(task, _)| task.is_equation());
+    /// Computes the joint velocities that move `tasks`, with the Jacobians of this period, and returns them. A row that no joint
+    /// moves at any posture, `moved`, is not near singular: it is left out.
+    pub fn row_space(&mut self, tasks: &TaskStack, moved: &[Vec<bool>]) -> &RowSpace {
+        let equations = tasks.tasks().iter().zip(moved).filter(|(task, _)| task.is_equation());
         let rows = equations.flat_map(|(task, moved)| task.jacobian.row_iter().zip(moved));
         self.row_space.update(rows.filter(|(_, moved)| **moved).map(|(row, _)| row));
         &self.row_space

@@ -20,13 +20,13 @@ const LEAVING_SPEED: f64 = 0.3;
 const DEFAULT_SPEED: f64 = 1.0;
 
 /// Overwrites the null-space velocity (n), and the targets of tasks that leave a posture. `tasks`: with the Jacobians of this
-/// period.
+/// period; `moved`: whether a joint moves each row at some posture.
 pub(super) fn write(
     velocity: &mut Vector,
     targets: &mut [TaskTarget],
     bounds: &mut RequestBounds,
     (config, arm, previous): (&ControllerConfig, &ArmState, &Memory),
-    tasks: &TaskStack,
+    (tasks, moved): (&TaskStack, &[Vec<bool>]),
 ) {
     let leaves = |progress: &Progress| progress.is_leaving(arm.time_s);
     if previous.progress.iter().any(leaves) {
@@ -42,7 +42,7 @@ pub(super) fn write(
         let measured = arm.measured().configuration.joint_position();
         let initial = previous.initial_position.as_ref().map_or(measured, Vector::as_slice);
         motion.write(&config.robot, arm.at_rest().configuration.joint_position(), initial, velocity);
-        brake(velocity, motion, bounds, (config, arm), tasks);
+        brake(velocity, motion, bounds, (config, arm), (tasks, moved));
     } else {
         velocity.fill(0.0);
     }
@@ -54,10 +54,10 @@ fn brake(
     motion: &NullSpaceMotion,
     bounds: &mut RequestBounds,
     (config, arm): (&ControllerConfig, &ArmState),
-    tasks: &TaskStack,
+    (tasks, moved): (&TaskStack, &[Vec<bool>]),
 ) {
     let Some(gain) = motion.braking_gain() else { return };
-    let row_space = bounds.row_space(tasks);
+    let row_space = bounds.row_space(tasks, moved);
     if let NullSpaceMotion::InitialPosture { .. } = motion {
         row_space.remove_from(velocity);
         limit_holding(velocity);

@@ -2,7 +2,7 @@
 
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
-use crate::controller::state::TaskTarget;
+use crate::controller::period::aim::{Requests, write_jacobian};
 use crate::linalg::{SingularValues, smallest_and_product, write_product};
 use crate::resolution::{Problem, Resolution};
 use crate::task::TaskError;
@@ -10,7 +10,7 @@ use crate::tolerances::TOLERANCES;
 
 /// Restores the Jacobians of the tasks that a retreat has released, and overwrites their outcomes and the singularity of the answer.
 pub(super) fn report(
-    (config, arm, targets): (&ControllerConfig, &ArmState, &[TaskTarget]),
+    (config, arm, Requests { targets, moved, .. }): (&ControllerConfig, &ArmState, Requests),
     problem: &mut Problem,
     resolution: &mut Resolution,
     singular: &mut SingularValues,
@@ -21,8 +21,7 @@ pub(super) fn report(
     }
     problem.tasks.overwrite_jacobians(|k, jacobian| {
         if is_released(k) {
-            config.tasks[k].rows.write_jacobian(arm.at_rest(), jacobian);
-            config.weigh_jacobian(k, jacobian);
+            write_jacobian(k, &moved[k], (config, arm), jacobian);
         }
     })?;
     let Resolution { tasks: outcomes, joint_velocity, singularity, .. } = resolution;
