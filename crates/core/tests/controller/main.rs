@@ -19,6 +19,7 @@ mod gaze;
 mod hold;
 mod jerk;
 mod jerk_priority;
+mod jerk_rest;
 mod late_states;
 mod laws;
 mod lengths;

@@ -1,6 +1,7 @@
 //! Two Pandas on one base: tasks of both hands, and of one hand seen from the other.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::constraint::{Constraint, PlanePoint, VirtualPlane};
@@ -137,6 +138,36 @@ fn two_hands_carry_a_part_along_a_path() {
         }
         assert!(moved > 0.12, "{path:?}: the hands moved by {moved} m");
         assert!(largest < allowed, "{path:?}: {largest}");
+    }
+}
+
+#[test]
+#[ignore = "asserts nothing; prints how long a period of two arms takes, for docs/performance.md"]
+fn table_of_times() {
+    let robot = two_pandas();
+    let hold =
+        |name: &str, tip: &str| task(name, TaskBody { body: hand(&robot, tip), relative_to: None }, position(6, 8.0));
+    let with = |tasks: Vec<TaskConfig>| ControllerConfig { tasks, ..carrying(&robot, None) };
+    let [relative, lead, posture] = carrying(&robot, None).tasks.try_into().unwrap();
+    let stacks = [
+        ("hold a part, lead", with(vec![relative.clone(), lead.clone()])),
+        ("hold a part, lead, posture", with(vec![relative.clone(), lead.clone(), posture])),
+        ("hold a part, lead, hold the right hand", with(vec![relative, lead, hold("right", "right")])),
+    ];
+    for (name, config) in stacks {
+        let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+        let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 0.0, 1);
+        let (mut memory, mut times) = (None, Vec::new());
+        for i in 0..20_000 {
+            let measured = arm.measure(f64::from(i) * PERIOD);
+            let start = Instant::now();
+            let command = stepper.step(&mut memory, &measured).unwrap();
+            times.push(start.elapsed().as_secs_f64() * 1e6);
+            arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+        }
+        times.sort_by(f64::total_cmp);
+        let [median, high] = [50, 99].map(|percent| times[times.len() * percent / 100]);
+        println!("{name}: median {median:.1} µs, 99th percentile {high:.1} µs");
     }
 }
 

@@ -6,6 +6,10 @@
 //! arrive there with the acceleration of that velocity; see [`LimitedBox::approach`]. When the first solution already lies
 //! in this box, it is the answer, and nothing is solved again.
 //!
+//! The second solution aims at what the first one achieves, moves as it does in the null space, and is not damped again. A damped answer
+//! depends on its box: with the velocities of the tasks, the second one would be another motion towards them although the first one lies
+//! in its box but for rounding, and an arm at rest would swing between both for ever.
+//!
 //! Joints that each arrive as fast as they can do not arrive together: on the way they would move what a higher task holds, for the sake of
 //! a lower one. So if the second solution loses of a task that is not the lowest what the first one achieves, the period is solved once
 //! more, and each joint may also arrive more slowly or go away from its velocity. Where that loses less, it is the answer: the order of the
@@ -17,13 +21,17 @@
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::period::allow::Allowed;
-use crate::controller::state::Memory;
-use crate::limits::{LimitedBox, Pace};
-use crate::linalg::Vector;
-use crate::resolution::{Problem, ProblemError, Resolution, Solve};
+use crate::controller::state::{Memory, StepError};
+use crate::limits::{LimitedBox, Pace, VelocityBox};
+use crate::linalg::{Damping, Vector};
+use crate::resolution::{Problem, Resolution, Solve};
+use crate::task::TaskError;
 
 /// Loss of a task's velocity that counts as rounding, m/s or rad/s.
 const LOSS: f64 = 1e-6;
+
+/// Part of a joint's velocity that counts as rounding, rad/s or m/s: other joints need not make up for it.
+const ROUNDING: f64 = 1e-9;
 
 /// The memory of a controller that keeps jerk limits.
 #[derive(Debug)]
@@ -32,8 +40,23 @@ pub(super) struct Approach {
     narrowed: LimitedBox,
     /// The velocity that the tasks want, n.
     requested: Vector,
-    /// What the tasks miss of their velocities without these limits.
+    first: First,
+}
+
+/// The first solution of a period.
+#[derive(Debug, Default)]
+struct First {
+    /// What each task wants that is an equation; empty for the others.
+    wanted: Vec<Vec<f64>>,
+    /// The null-space velocity that is wanted, and the damping.
+    null_space: Option<Vector>,
+    damping: Option<Damping>,
+    /// What each task achieves.
+    achieved: Vec<Vec<f64>>,
+    /// By how much each task misses the velocity at which the second solution aims.
     missed: Vec<f64>,
+    /// The scales of scaled tasks.
+    scales: Vec<Option<f64>>,
 }
 
 impl Approach {
@@ -43,7 +66,7 @@ impl Approach {
         config.keeps_jerk().then(|| Self {
             narrowed: LimitedBox::unbounded(n),
             requested: Vector::zeros(n),
-            missed: Vec::with_capacity(config.tasks.len()),
+            first: First { null_space: Some(Vector::zeros(n)), ..First::default() },
         })
     }
 
@@ -55,13 +78,13 @@ impl Approach {
         without_jerk: &'a LimitedBox,
         (problem, solver, resolution): (&mut Problem, &mut dyn Solve, &mut Resolution),
         period: f64,
-    ) -> Result<(&'a LimitedBox, &'a Vector), ProblemError> {
-        let Self { narrowed, requested, missed } = self;
-        let mut solve = |limits: &LimitedBox, resolution: &mut Resolution| {
+    ) -> Result<(&'a LimitedBox, &'a Vector), StepError> {
+        let Self { narrowed, requested, first } = self;
+        let mut solve = |limits: &LimitedBox, problem: &mut Problem, resolution: &mut Resolution| {
             problem.limits.copy_from(&limits.velocity_box);
             solver.solve(problem, &previous.active_set, resolution)
         };
-        solve(without_jerk, resolution)?;
+        solve(without_jerk, problem, resolution)?;
         requested.copy_from(&resolution.joint_velocity);
         let last = previous.jerk.as_ref().map_or(&previous.last_command, |jerk| &jerk.requested);
         let narrow = |narrowed: &mut LimitedBox, pace| {
@@ -70,33 +93,96 @@ impl Approach {
             narrowed.approach((&arm.robot, period), arm.motion(), velocities, pace);
         };
         narrow(narrowed, Pace::Fast);
-        if narrowed.velocity_box.allows(requested.as_slice()) {
+        if round_into(&narrowed.velocity_box, &mut resolution.joint_velocity) {
             return Ok((without_jerk, requested));
         }
-        missed.clear();
-        missed.extend(resolution.tasks.iter().map(|task| task.residual_norm));
-        solve(narrowed, resolution)?;
-        let lost = loss(resolution, missed);
+        first.replace_wishes(problem, resolution)?;
+        solve(narrowed, problem, resolution)?;
+        let lost = first.loss(resolution);
         if lost > LOSS && resolution.active_constraints().next().is_none() {
             narrow(narrowed, Pace::AtMost);
-            solve(narrowed, resolution)?;
-            let is_better = loss(resolution, missed) < lost;
+            solve(narrowed, problem, resolution)?;
+            let is_better = first.loss(resolution) < lost;
             if !is_better || resolution.active_constraints().next().is_some() {
                 narrow(narrowed, Pace::Fast);
-                solve(narrowed, resolution)?;
+                solve(narrowed, problem, resolution)?;
             }
         }
+        first.restore_wishes(problem, resolution)?;
         if resolution.broken_constraints().next().is_none() {
             return Ok((narrowed, requested));
         }
-        solve(&allowed.limits, resolution)?;
+        solve(&allowed.limits, problem, resolution)?;
         Ok((&allowed.limits, requested))
     }
 }
 
-/// Returns what tasks that are not the lowest miss of their velocities beyond what they `missed`, the largest, m/s or rad/s.
-fn loss(resolution: &Resolution, missed: &[f64]) -> f64 {
-    let upper = resolution.tasks.len().saturating_sub(1);
-    let losses = resolution.tasks.iter().take(upper).zip(missed).map(|(task, missed)| task.residual_norm - missed);
-    losses.fold(0.0, f64::max)
+impl First {
+    /// Lets a problem aim at what its first solution achieves, without damping.
+    fn replace_wishes(&mut self, problem: &mut Problem, resolution: &Resolution) -> Result<(), TaskError> {
+        let Self { wanted, null_space, damping, achieved, missed, scales } = self;
+        let outcomes = &resolution.tasks;
+        wanted.resize_with(outcomes.len(), Vec::new);
+        achieved.resize_with(outcomes.len(), Vec::new);
+        for (achieved, outcome) in achieved.iter_mut().zip(outcomes) {
+            achieved.clear();
+            achieved.extend_from_slice(outcome.achieved.as_slice());
+        }
+        scales.clear();
+        scales.extend(outcomes.iter().map(|outcome| outcome.scale));
+        missed.clear();
+        for (task, outcome) in problem.tasks.tasks().iter().zip(outcomes) {
+            missed.push(if task.is_equation() { 0.0 } else { outcome.residual_norm });
+        }
+        problem.tasks.overwrite(|k, _, lower, upper| {
+            wanted[k].clear();
+            if lower == upper {
+                wanted[k].extend_from_slice(lower.as_slice());
+                lower.as_mut_slice().copy_from_slice(&achieved[k]);
+                upper.as_mut_slice().copy_from_slice(&achieved[k]);
+            }
+        })?;
+        if let Some(velocity) = null_space {
+            velocity.copy_from(&resolution.joint_velocity);
+        }
+        std::mem::swap(&mut problem.null_space_velocity, null_space);
+        *damping = problem.damping.take();
+        Ok(())
+    }
+
+    /// Restores what the tasks want, and says how far they are from it.
+    fn restore_wishes(&mut self, problem: &mut Problem, resolution: &mut Resolution) -> Result<(), TaskError> {
+        let Self { wanted, null_space, damping, scales, .. } = self;
+        std::mem::swap(&mut problem.null_space_velocity, null_space);
+        problem.damping = *damping;
+        for (k, outcome) in resolution.tasks.iter_mut().enumerate().filter(|(k, _)| !wanted[*k].is_empty()) {
+            let missing = outcome.achieved.iter().zip(&wanted[k]).map(|(achieved, wanted)| achieved - wanted);
+            outcome.residual_norm = missing.map(|missing| missing * missing).sum::<f64>().sqrt();
+            outcome.scale = outcome.scale.zip(scales[k]).map(|(second, first)| first * second);
+        }
+        problem.tasks.overwrite(|k, _, lower, upper| {
+            if !wanted[k].is_empty() {
+                lower.as_mut_slice().copy_from_slice(&wanted[k]);
+                upper.as_mut_slice().copy_from_slice(&wanted[k]);
+            }
+        })
+    }
+
+    /// Returns what tasks that are not the lowest miss beyond what the first solution misses, the largest, m/s or rad/s.
+    fn loss(&self, resolution: &Resolution) -> f64 {
+        let upper = resolution.tasks.len().saturating_sub(1);
+        let losses =
+            resolution.tasks.iter().take(upper).zip(&self.missed).map(|(task, missed)| task.residual_norm - missed);
+        losses.fold(0.0, f64::max)
+    }
+}
+
+/// Moves a velocity into a box if it lies there up to rounding, and returns whether it does.
+fn round_into(limits: &VelocityBox, velocity: &mut Vector) -> bool {
+    let clamped = |velocity: &f64, joint: usize| velocity.clamp(limits.lower()[joint], limits.upper()[joint]);
+    let is_inside = velocity.iter().enumerate().all(|(joint, v)| (v - clamped(v, joint)).abs() <= ROUNDING);
+    if is_inside {
+        velocity.iter_mut().enumerate().for_each(|(joint, v)| *v = clamped(v, joint));
+    }
+    is_inside
 }
