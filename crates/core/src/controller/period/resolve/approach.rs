@@ -179,7 +179,7 @@ impl First {
 
 /// Moves a velocity into a box if it lies there up to rounding, and returns whether it does.
 fn round_into(limits: &VelocityBox, velocity: &mut Vector) -> bool {
-    let clamped = |velocity: &f64, joint: usize| velocity.clamp(limits.lower()[joint], limits.upper()[joint]);
+    let clamped = |velocity: &f64, joint: usize| velocity.max(limits.lower()[joint]).min(limits.upper()[joint]);
     let is_inside = velocity.iter().enumerate().all(|(joint, v)| (v - clamped(v, joint)).abs() <= ROUNDING);
     if is_inside {
         velocity.iter_mut().enumerate().for_each(|(joint, v)| *v = clamped(v, joint));
