@@ -4746,14 +4746,15 @@ class State(Body):
 
 
 class StuckTask(Answer):
-    """A task that makes no progress: it achieves less than 5 % of the velocity that it requests, over half a second.
+    """A task that makes no progress: over half a second, it achieves less than 5 % of the velocity that it requests, or
+    less than 5 % of its request is passed on, see `request_share`.
 
     Fields:
 
     - held_by: What holds it back; empty while the arm leaves the posture, and where nothing but its own request
       does, which fades.
     - leaving: Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints.
-    - since_s: Time since which it makes no progress, s.
+    - since_s: Time since which it makes no progress, or since which requests fade, s.
     - task: Name of the task.
     """
 
@@ -4763,7 +4764,7 @@ class StuckTask(Answer):
     leaving: bool
     """Whether the arm leaves the posture, by a motion towards the middle of the ranges of its joints."""
     since_s: float
-    """Time since which it makes no progress, s."""
+    """Time since which it makes no progress, or since which requests fade, s."""
     task: str
     """Name of the task."""
 
