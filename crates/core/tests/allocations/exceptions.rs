@@ -54,7 +54,7 @@ fn what_clarabel_allocates_does_not_grow() {
 
 /// The box of jerk limits may contradict a plane. Then the period is solved a third time.
 #[test]
-fn jerk_limits_before_a_plane_allocate_at_most_54_times() {
+fn jerk_limits_before_a_plane_allocate_nothing() {
     let config = ControllerConfig {
         robot: with_jerk(),
         constraints: vec![ceiling(PlanePoint::Tool, 0.05)],
@@ -62,7 +62,9 @@ fn jerk_limits_before_a_plane_allocate_at_most_54_times() {
     };
     let mut arm = Arm::new(config);
     arm.warm_up();
-    assert_allocates_at_most("jerk and plane", 54, arm.run(2000, |_| true));
+    let counts = arm.run(2000, |command| command.resolution.active_constraints().next().is_some());
+    assert!(counts.seen > 100, "{counts:?}");
+    assert_eq!(counts.allocations, 0, "{counts:?}");
 }
 
 #[test]
