@@ -82,6 +82,24 @@ export async function serve(port = 0, token = '') {
   return { url, port: Number(new URL(url).port), stop };
 }
 
+/** Time after which a page without a frame counts as one that the browser has put aside, ms. */
+const FRAME_MS = 10_000;
+
+/** Brings a page to the front if the browser draws no frames of it. A browser without a window seldom does that to a page; then even changes of the theme do not arrive. */
+function watchFrames(page) {
+  const frame = () => page.evaluate((limit) => new Promise((resolve) => {
+    requestAnimationFrame(() => resolve(true));
+    setTimeout(() => resolve(false), limit);
+  }), FRAME_MS);
+  const check = async () => {
+    if (await frame()) return;
+    console.error(`${page.url()}: no frame in ${FRAME_MS} ms; the page is brought to the front`);
+    await page.bringToFront();
+  };
+  // A page that is left or closed has no frames, and nobody waits for it.
+  return setInterval(() => check().catch(() => {}), 2 * FRAME_MS).unref();
+}
+
 /** Opens the page; its exceptions and console errors are added to `pageErrors`. */
 export async function open(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
@@ -95,8 +113,9 @@ export async function open(browser, url, options = {}) {
   page.on('console', (message) => {
     if (message.type() === 'error' && !message.text().startsWith('Failed to load resource')) pageErrors.push(message.text());
   });
+  const watch = watchFrames(page);
   await page.goto(url);
-  return { page, pageErrors, close: () => context.close() };
+  return { page, pageErrors, close: () => { clearInterval(watch); return context.close(); } };
 }
 
 /** Opens a setup of a service; `body` gets the page. Afterwards the page must have had no errors. */
