@@ -126,7 +126,7 @@ export async function withSetup(browser, url, body, context = {}) {
     await body(page);
     assert.deepEqual(pageErrors, []);
   } catch (error) {
-    error.message += `; ${await shown(page, pageErrors)}`;
+    error.message += `; ${await shown(page, pageErrors).catch(String)}`;
     throw error;
   } finally {
     // The page deletes its runs when it is left. The service accepts only a few.
