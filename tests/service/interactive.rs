@@ -116,6 +116,24 @@ fn a_paused_run_advances_by_steps_and_shows_each_of_them() {
 }
 
 #[test]
+fn a_run_that_everybody_left_makes_room_for_a_new_one() {
+    let service = Service::start();
+    let run = || start(&service, "stiff_wall", |_| (), true);
+    let left = run();
+    let watched = [run(), run(), run()].map(|run| (Viewer::open(&service, &run), run));
+    let scenario = service.get("/v1/scenarios/stiff_wall").accepted();
+    let request = json!({"scenario": scenario, "interactive": {"paused": true}}).to_string();
+    service.post("/v1/simulations", &request).assert_refused(503, None);
+    std::thread::sleep(Duration::from_secs(6));
+    let next = service.post("/v1/simulations", &request).location.unwrap();
+    // The new one was not left alone for long, so the next one finds no room.
+    service.post("/v1/simulations", &request).assert_refused(503, None);
+    let states = [&left, &watched[0].1, &watched[1].1, &watched[2].1, &next]
+        .map(|run| service.get(run).accepted()["state"].clone());
+    assert_eq!(states, ["finished", "running", "running", "running", "running"]);
+}
+
+#[test]
 fn an_interactive_run_without_commands_equals_the_run_of_a_client() {
     let service = Service::start();
     let shorten = |scenario: &mut Value| scenario["duration_s"] = json!(0.3);

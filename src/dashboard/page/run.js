@@ -10,9 +10,9 @@ import { ApiError, events, post, remove } from './transport.js';
  * @typedef {import('./types.js').LiveFrame} LiveFrame
  */
 
-/** Number of tries to start a run while the service is busy, and the time between them, ms. */
-const TRIES = 6;
-const BETWEEN = 150;
+/** Number of tries to start a run while the service is busy, and the time between them, ms. Within 5 s the service takes the place of a run whose page went without a word. */
+const TRIES = 30;
+const BETWEEN = 200;
 
 /** One run; `follow` receives its frames until it ends or is deleted. */
 export class Run {

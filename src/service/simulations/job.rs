@@ -64,6 +64,18 @@ impl Job {
         self.run_control.is_some()
     }
 
+    /// Returns the time since a client last watched or commanded an interactive run that goes on; `None` for other runs.
+    pub fn unattended_for(&self) -> Option<Duration> {
+        self.run_control.as_ref().filter(|_| !self.has_ended())?.unattended_for()
+    }
+
+    /// Finishes an interactive run after its current period.
+    pub fn finish(&self) {
+        if let Some(run_control) = &self.run_control {
+            run_control.finish();
+        }
+    }
+
     /// Returns the control of an interactive run.
     pub fn run_control(&self) -> Result<&Arc<RunControl>, ApiError> {
         let not_live = || ApiError::not_live("the simulation was not started as `interactive`");

@@ -26,6 +26,10 @@ const MAX_RUNNING: usize = 2;
 /// Maximum number of interactive simulations at a time, in addition. Each waits for the clock most of the time.
 const MAX_INTERACTIVE: usize = 4;
 
+/// An interactive simulation that no client has watched or commanded for this time makes room for a new one: its client
+/// may have gone without a word. Two frames or commands of a client in use are less than a second apart.
+const ROOM_TIME: Duration = Duration::from_secs(5);
+
 /// Maximum number of known simulations: waiting, running and ended.
 const MAX_KEPT: usize = 64;
 
@@ -68,10 +72,8 @@ impl Simulations {
     fn keep(&self, job: &Arc<Job>) -> Result<(), ApiError> {
         let mut jobs = self.lock();
         jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEEP_TIME));
-        let interactive = jobs.iter().filter(|job| job.is_interactive() && !job.has_ended()).count();
-        if job.is_interactive() && interactive >= MAX_INTERACTIVE {
-            let detail = format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
-            return Err(ApiError::busy(detail));
+        if job.is_interactive() {
+            make_room(&jobs)?;
         }
         let is_full = |jobs: &[Arc<Job>]| {
             let periods: u64 = jobs.iter().map(|job| job.periods()).sum();
@@ -108,4 +110,20 @@ impl Simulations {
     fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Arc<Job>>> {
         self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Ends the interactive simulation that was left alone longest if there are too many.
+fn make_room(jobs: &[Arc<Job>]) -> Result<(), ApiError> {
+    let unattended: Vec<_> = jobs.iter().filter_map(|job| Some((job.unattended_for()?, job))).collect();
+    if unattended.len() < MAX_INTERACTIVE {
+        return Ok(());
+    }
+    match unattended.into_iter().max_by_key(|(time, _)| *time) {
+        Some((time, job)) if time > ROOM_TIME => job.finish(),
+        _ => {
+            let detail = format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
+            return Err(ApiError::busy(detail));
+        }
+    }
+    Ok(())
 }

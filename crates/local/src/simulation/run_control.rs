@@ -113,6 +113,20 @@ impl RunControl {
         Ok(())
     }
 
+    /// Time since a client last watched or commanded the run; `None` if it is to finish.
+    pub fn unattended_for(&self) -> Option<Duration> {
+        let is_watched = self.live.watchers() > 0;
+        let commands = self.lock();
+        let time = if is_watched { Duration::ZERO } else { commands.last_attention.elapsed() };
+        (!commands.finish).then_some(time)
+    }
+
+    /// Finishes the run after the current period.
+    pub fn finish(&self) {
+        self.lock().finish = true;
+        self.wake();
+    }
+
     /// Wakes a waiting run and its watchers after a change.
     pub fn wake(&self) {
         self.changed.notify_all();
