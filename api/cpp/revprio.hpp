@@ -104,11 +104,13 @@ inline Json wipe(const std::string& axis, double newtons, const std::string& alo
     if (!std::isfinite(options.stroke_m) || options.stroke_m == 0)
         throw std::invalid_argument("give a way; its sign is the direction in which the motion begins");
     if (!std::isfinite(options.speed) || options.speed <= 0) throw std::invalid_argument("give a speed above 0");
-    if (!std::isfinite(options.start_time_s)) throw std::invalid_argument("give a start time, s on the clock of the states");
+    if (!(std::abs(options.start_time_s) <= 1e6))
+        throw std::invalid_argument("give a start time up to 1e6 s on the clock of the states; on that of Unix it counts from the first state");
     const double half = options.stroke_m / 2;
     const double rate = options.speed / std::abs(half);
-    const Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half}, {"angular_frequency_rad_s", rate},
+    Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half}, {"angular_frequency_rad_s", rate},
                    {"phase_rad", -std::acos(0.0) - rate * options.start_time_s}};
+    if (options.start_time_s != 0) way["start_time_s"] = options.start_time_s;
     const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
     Json law = presets::contact_law(newtons, options);
     if (options.max_tilt_rad) {

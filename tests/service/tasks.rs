@@ -239,3 +239,23 @@ fn a_scenario_file_and_a_request_have_the_same_fields() {
     let json = serde_json::to_string(&scenario).unwrap();
     assert_eq!(Scenario::parse(&json, "wiping.json").unwrap(), scenario);
 }
+
+/// What rounding leaves of a row that no joint moves at a posture is no motion: joints would race to reach it.
+#[test]
+fn a_row_that_is_zero_but_for_rounding_moves_no_joint() {
+    let service = Service::start();
+    let right_angle = std::f64::consts::FRAC_PI_2;
+    let request = |angle: f64| {
+        json!({
+            "robot": "ur5e", "joint_position": [0.0, -angle, angle, -angle, -angle, 0.0], "why": true,
+            "tasks": [
+                {"name": "roll", "link": "upper_arm_link", "axes": ["rx"], "velocity": [0.01]},
+                {"name": "hand", "axes": ["x", "y", "z"], "velocity": [0.0, 0.0, 0.0]},
+            ],
+        })
+    };
+    let answer = service.call("/v1/resolve", &request(right_angle));
+    assert_eq!(numbers(&answer["joint_velocity"]), [0.0; 6], "{answer}");
+    assert_eq!(answer["tasks"][0]["rank"], 0);
+    assert!(answer["why"].to_string().contains("can move in 0 of 1 directions"), "{answer}");
+}

@@ -85,6 +85,32 @@ fn a_controller_with_numbers_in_the_wrong_unit_is_warned_about() {
 }
 
 #[test]
+fn speeds_of_contacts_and_of_sines_in_millimetres_are_warned_about() {
+    let service = Service::start();
+    let pressing = |changes: Value| {
+        let mut law = json!({"kind": "contact", "target_force": {"kind": "constant", "value": -10}});
+        law.as_object_mut().unwrap().extend(changes.as_object().unwrap().clone());
+        json!({"name": "push", "axes": ["z"], "law": law})
+    };
+    let sweeping = |rate: f64| {
+        let way = json!({"kind": "sine", "offset": 0.05, "amplitude": 0.05, "angular_frequency_rad_s": rate});
+        json!({"name": "wipe", "axes": ["x"], "law": {"kind": "pose", "gain": 2, "target_displacement": way}})
+    };
+    for (task, part) in [
+        (pressing(json!({"approach_speed": 20})), "an approach with 20 m/s hits hard"),
+        (pressing(json!({"retreat_speed": 50})), "a retreat with 50 m/s hits hard"),
+        (sweeping(1000.0), "50 m/s along x is faster than arms are"),
+    ] {
+        let found = created(&service, &controller(&[task]));
+        assert!(found.contains(part), "{part}: {found}");
+    }
+    for task in [pressing(json!({"approach_speed": 0.1, "retreat_speed": 0.3})), sweeping(20.0)] {
+        let found = created(&service, &controller(&[task]));
+        assert!(!found.contains("mm/s"), "{found}");
+    }
+}
+
+#[test]
 fn a_frame_and_a_posture_of_the_null_space_are_checked_too() {
     let service = Service::start();
     let mut task = pose_task("hand", &json!([0.1, 0.0, 0.0]));

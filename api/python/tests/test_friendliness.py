@@ -314,6 +314,21 @@ def test_a_wipe_is_never_faster_than_stated(first_s: float, change_s: float | No
     assert 0.9 * speed < fastest < 1.1 * speed
 
 
+def test_a_wipe_that_begins_later_rests_until_then() -> None:
+    """The sine of the motion has a start."""
+    q, period_s, begins_s = np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8]), 0.004, 1.0
+    speeds: dict[bool, float] = {False: 0.0, True: 0.0}
+    wipe = revprio.wipe("z", -15, "x", speed=0.05, start_time_s=begins_s, period_s=period_s)
+    with revprio.Controller(robot="panda", period_s=period_s, tasks=wipe) as arm:
+        for k in range(600):
+            answer = arm.step(q, wrench=[0, 0, 0, 0, 0, 0], time_s=k * period_s)
+            moves = k * period_s > begins_s
+            speeds[moves] = max(speeds[moves], abs(answer.tasks[1].achieved[0]))
+            q = q + period_s * answer.joint_velocity
+    assert speeds[False] < 0.002
+    assert 0.045 < speeds[True] < 0.055
+
+
 @pytest.mark.parametrize(
     ("arguments", "pointer"),
     [
@@ -324,6 +339,7 @@ def test_a_wipe_is_never_faster_than_stated(first_s: float, change_s: float | No
         ({"newtons": 5, "along": "y", "stroke_m": np.nan}, "/stroke_m"),
         ({"newtons": 5, "along": "y", "speed": 0}, "/speed"),
         ({"newtons": 5, "along": "y", "start_time_s": np.inf}, "/start_time_s"),
+        ({"newtons": 5, "along": "y", "start_time_s": 1.7e9}, "/start_time_s"),
         ({"newtons": 5, "along": "y", "max_tilt_rad": 0}, "/max_tilt_rad"),
         ({"newtons": 5, "along": "y", "hold": ["z"]}, "/hold"),
         ({"newtons": 5, "along": "y", "hold": ["x", "y"]}, "/hold"),

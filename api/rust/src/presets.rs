@@ -19,6 +19,9 @@ const POSE_GAIN: f64 = 2.0;
 /// Largest tilt of a surface that a law accepts, rad.
 const MOST_TILT_RAD: f64 = 1.4;
 
+/// Latest start of a motion, s.
+const LATEST_S: f64 = 1e6;
+
 /// What [`push`] and [`wipe`] may be told beyond the force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressOptions {
@@ -87,7 +90,9 @@ pub enum PresetError {
     #[error("the stroke must be finite and not 0; its sign is the direction in which the motion begins")]
     Stroke,
     /// The motion has no beginning.
-    #[error("the start time must be finite, s on the clock of the states")]
+    #[error(
+        "the start time must be up to {LATEST_S} s, on the clock of the states; on that of Unix it counts from the first state"
+    )]
     StartTime,
     /// A number is not positive.
     #[error("{0} must be finite and above 0")]
@@ -126,7 +131,7 @@ pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Res
     if !stroke_m.is_finite() || *stroke_m == 0.0 {
         return Err(PresetError::Stroke);
     }
-    if !start_time_s.is_finite() {
+    if start_time_s.is_nan() || start_time_s.abs() > LATEST_S {
         return Err(PresetError::StartTime);
     }
     let half = 0.5 * stroke_m;
@@ -137,6 +142,7 @@ pub fn wipe(axis: Axis, newtons: f64, along: Axis, options: &WipeOptions) -> Res
         amplitude: PerAxis::All(half),
         angular_frequency_rad_s: rate,
         phase_rad: -FRAC_PI_2 - rate * start_time_s,
+        start_time_s: (*start_time_s != 0.0).then_some(*start_time_s),
     };
     let sweep = pose(Some(way), press);
     let tilt = max_tilt_rad.map(largest_tilt).transpose()?;

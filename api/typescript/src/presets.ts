@@ -6,6 +6,7 @@ const AXES: readonly Axis[] = ["x", "y", "z", "rx", "ry", "rz"];
 const LAG_S = 0.03;
 /** Largest tilt of a surface that a law accepts, rad. */
 const MOST_TILT_RAD = 1.4;
+const LATEST_S = 1e6;
 
 /** Delay of a command, periods: the default of the `drive` of a controller. */
 const DELAY_PERIODS = 2;
@@ -73,7 +74,9 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     throw new RangeError("give a way; its sign is the direction in which the motion begins");
   }
   if (!Number.isFinite(speed) || speed <= 0) throw new RangeError("give a speed above 0");
-  if (!Number.isFinite(startTimeS)) throw new RangeError("give a start time, s on the clock of the states");
+  if (!(Math.abs(startTimeS) <= LATEST_S)) {
+    throw new RangeError("give a start time up to 1e6 s on the clock of the states; on that of Unix it counts from the first state");
+  }
   if (maxTiltRad !== undefined && !(maxTiltRad > 0 && maxTiltRad <= MOST_TILT_RAD)) {
     throw new RangeError(`give a largest tilt above 0, and at most ${MOST_TILT_RAD} rad`);
   }
@@ -86,6 +89,7 @@ export function wipe(axis: Axis, newtons: number, along: Axis, options: WipeOpti
     amplitude: half,
     angular_frequency_rad_s: rate,
     phase_rad: -Math.PI / 2 - rate * startTimeS,
+    ...(startTimeS !== 0 && { start_time_s: startTimeS }),
   };
   const surface = maxTiltRad === undefined ? {} : { surface: { max_tilt_rad: maxTiltRad } };
   const tasks: ControllerTask[] = [

@@ -20,6 +20,9 @@ const FAST_M_S: f64 = 15.0;
 /// Angular velocity of a tool above which it is reported, rad/s: 10 turns a second.
 const FAST_RAD_S: f64 = 20.0 * std::f64::consts::PI;
 
+/// Speed of an approach to a surface, or of a retreat from it, above which it is reported, m/s and rad/s. A drop from 5 cm reaches it.
+const FAST_APPROACH: f64 = 1.0;
+
 /// Rotation vector above which it is reported, rad: a whole turn.
 const WHOLE_TURN: f64 = 2.0 * std::f64::consts::PI;
 
@@ -104,6 +107,22 @@ impl About<'_> {
     /// Returns the warnings about the target of a law.
     fn law(self, task: &wire::ControllerTask, law: &wire::Law) -> Vec<String> {
         let axes = task.axes.as_deref().unwrap_or_default();
+        let mut warnings = self.target(task, axes, law);
+        if let wire::Law::Contact { approach_speed, retreat_speed, .. } = law {
+            let speeds = [("an approach", approach_speed), ("a retreat", retreat_speed)];
+            let named = speeds.into_iter().flat_map(|(motion, speed)| {
+                (0..axes.len()).filter_map(move |row| Some((motion, speed.as_ref()?.at(row)?)))
+            });
+            let fast = named.filter(|(_, speed)| *speed > FAST_APPROACH);
+            warnings.extend(fast.map(|(motion, speed)| {
+                format!("task `{}`: {motion} with {speed} m/s hits hard; speeds are in m/s, not in mm/s", self.task)
+            }));
+        }
+        warnings
+    }
+
+    /// Returns the warnings about where a law leads.
+    fn target(self, task: &wire::ControllerTask, axes: &[Axis], law: &wire::Law) -> Vec<String> {
         match law.target() {
             LawTarget::Velocity(velocity) => self.rows(axes, velocity, too_fast),
             LawTarget::Pose { pose, displacement } => {
@@ -111,7 +130,11 @@ impl About<'_> {
                     wire::TargetPose::Fixed(pose) => self.position(stated_position(&task.frame, pose)),
                     wire::TargetPose::Initial => None,
                 };
-                let displaced = |profile| self.rows(axes, profile, |axis, value| self.displacement(axis, value));
+                let displaced = |profile| {
+                    let mut far = self.rows(axes, profile, |axis, value| self.displacement(axis, value));
+                    far.extend(axes.iter().enumerate().find_map(|(row, &axis)| self.swing(profile, (row, axis))));
+                    far
+                };
                 pose.into_iter().chain(displacement.map(displaced).unwrap_or_default()).collect()
             }
             LawTarget::Joints { names, position } => {
@@ -149,6 +172,13 @@ impl About<'_> {
             |(row, &axis): (usize, &Axis)| values(profile, row).into_iter().find_map(|value| check(axis, value));
         let name = |text| format!("task `{}`: {text}", self.task);
         axes.iter().enumerate().filter_map(of_row).map(name).collect()
+    }
+
+    /// Returns the warning about the largest velocity of a sine along an axis.
+    fn swing(self, profile: &wire::Profile, (row, axis): (usize, Axis)) -> Option<String> {
+        let wire::Profile::Sine { amplitude, angular_frequency_rad_s, .. } = profile else { return None };
+        let fast = too_fast(axis, amplitude.at(row)? * angular_frequency_rad_s)?;
+        Some(format!("task `{}`: {fast}", self.task))
     }
 
     /// Returns the distance that no target of the arm has, m; infinite if a sliding joint has no limits.

@@ -12,6 +12,9 @@ use revprio_robot::RobotModel;
 
 use super::constraint_names::ConstraintNames;
 
+/// Distance beyond an end of a range that is rounding, rad or m.
+const ROUNDED: f64 = 1e-9;
+
 /// Distance from the end of its range at which a joint is there, rad or m, if it can move no faster than [`SLOW`] towards it.
 const RANGE_END: f64 = 0.02;
 
@@ -254,7 +257,7 @@ impl Explained<'_> {
             BoundCause::Unlimited | BoundCause::Given => {
                 format!("joint `{joint}` is at its {side} velocity bound of {} {unit}", significant(active.value, 2))
             }
-            _ if left < 0.0 => format!("joint `{joint}` is beyond its {side} limit and must move back"),
+            _ if left < -ROUNDED => format!("joint `{joint}` is beyond its {side} limit and must move back"),
             BoundCause::Velocity => format!("joint `{joint}` is at its speed limit of {speed} {unit}"),
             BoundCause::Position if left < RANGE_END && active.value.abs() < SLOW => {
                 format!("joint `{joint}` is at its {side} limit")

@@ -24,7 +24,8 @@ export function valueAt(profile, rows, time) {
     case 'constant':
       return list(profile.value);
     case 'sine': {
-      const sine = Math.sin(profile.angular_frequency_rad_s * time + (profile.phase_rad ?? 0));
+      const since = Math.max(time, profile.start_time_s ?? -Infinity);
+      const sine = Math.sin(profile.angular_frequency_rad_s * since + (profile.phase_rad ?? 0));
       const amplitude = list(profile.amplitude);
       return list(profile.offset).map((offset, row) => offset + amplitude[row] * sine);
     }
@@ -100,7 +101,11 @@ export function shifted(profile, time) {
     case 'constant':
       return profile;
     case 'sine':
-      return { ...profile, phase_rad: (profile.phase_rad ?? 0) + profile.angular_frequency_rad_s * time };
+      return {
+        ...profile,
+        phase_rad: (profile.phase_rad ?? 0) + profile.angular_frequency_rad_s * time,
+        ...(profile.start_time_s != null && { start_time_s: profile.start_time_s - time }),
+      };
     case 'ramp':
       return { ...profile, start_time_s: (profile.start_time_s ?? 0) - time };
     default:

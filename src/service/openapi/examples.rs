@@ -89,6 +89,8 @@ const STEP_IN_A_ROOM: &str = include_str!("../../../api/examples/answers/step_ro
 
 /// Adds the examples to their operations. Adds to each field its first value in an example.
 pub fn complete(document: &mut Value) {
+    // No profile of the examples has a start.
+    document["components"]["schemas"]["Profile"]["oneOf"][1]["properties"]["start_time_s"]["examples"] = json!([2.0]);
     // No registration of the examples states one.
     let stated = &mut document["components"]["schemas"]["StatedLimits"]["properties"];
     stated["velocity_envelope"]["examples"] = json!([{"deceleration_limit": 6.0, "velocity_offset": 0.3}]);
@@ -101,7 +103,8 @@ pub fn complete(document: &mut Value) {
         "fault_position": 0.0, "stiffness": [15_300.0, 12_000.0, 130.0], "means": [0.011, 28.0],
         "sums": [1e-6, 0.012, 144.0, 80.0], "surface_motion": [0.01, 12_000.0, 0.0], "followed": [0.012, 29.9, 0.0, 0.1, 1e-7, 0.1, 1e-7, 0.2],
         "mean_target_force": 30.0, "swing": [1.0, 0.2, 0.3],
-        "is_above": false, "unchanged": [29.9, 0.012, 0.0], "reading_change": 0.2, "measured": measured_contact()
+        "is_above": false, "unchanged": [29.9, 0.012, 0.0], "reading_change": 0.2, "reading_step": 0.01,
+        "following": [0.012, 1e-5, 0.2, 0.001, 0.001, 0.0], "measured": measured_contact()
     }]]);
     let wrench = json!({"force": [0.0, 0.0, 14.9], "torque": [0.1, 0.0, 0.0]});
     let schemas = &mut document["components"]["schemas"];

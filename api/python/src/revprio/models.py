@@ -1340,6 +1340,7 @@ class SineProfile(Tagged):
     - kind: Selects the variant.
     - offset: Mean value.
     - phase_rad: Phase φ, rad; default 0.
+    - start_time_s: Start time, s: before it, the value is that at the start. Absent: the sine has no start.
     """
 
     amplitude: ArrayLike
@@ -1352,6 +1353,8 @@ class SineProfile(Tagged):
     """Mean value."""
     phase_rad: float | None = None
     """Phase φ, rad; default 0."""
+    start_time_s: float | None = None
+    """Start time, s: before it, the value is that at the start. Absent: the sine has no start."""
 
 
 class RampProfile(Tagged):
@@ -2050,6 +2053,10 @@ class ContactMemory(Body):
     - followed: Position and force as they are followed while the contact is held, their rates, what was not
       foreseen of them in the last period, and their noise; absent without a held contact, and in older memories.
       Shape: 8.
+    - following: Modelled position at the last step, how far the model has moved beyond the measured way lately, how
+      much the force has risen in that time, and the mean velocities of model and tool, and for how long the model
+      has been too far ahead, s; absent in older memories. After a while the modelled position goes on with the
+      measured one.
     - force_before_retreat: Force when the tool last moved forward, N or N·m; default 0.
     - lack: Force that has been missing for a contact, added up over time, N·s or N·m·s; default 0. Above a bound
       the contact is lost.
@@ -2059,6 +2066,7 @@ class ContactMemory(Body):
     - normal: What is known of the normal of the surface; absent for a law without `surface`, and before the first
       period.
     - reading_change: Rms change of the readings before that, N or N·m; default 0: the reading has shown no noise.
+    - reading_step: Smallest change of the reading so far, N or N·m; default 0: there was none.
     - unchanged: The reading that does not change, the position where it was read first, and the time since then, s;
       default zeros.
     """
@@ -2104,6 +2112,10 @@ class ContactMemory(Body):
     followed: Vector | None = None
     """Position and force as they are followed while the contact is held, their rates, what was not foreseen of them in
     the last period, and their noise; absent without a held contact, and in older memories. Shape: 8."""
+    following: Vector | None = None
+    """Modelled position at the last step, how far the model has moved beyond the measured way lately, how much the
+    force has risen in that time, and the mean velocities of model and tool, and for how long the model has been too far
+    ahead, s; absent in older memories. After a while the modelled position goes on with the measured one."""
     force_before_retreat: float | None = None
     """Force when the tool last moved forward, N or N·m; default 0."""
     lack: float | None = None
@@ -2118,6 +2130,8 @@ class ContactMemory(Body):
     """What is known of the normal of the surface; absent for a law without `surface`, and before the first period."""
     reading_change: float | None = None
     """Rms change of the readings before that, N or N·m; default 0: the reading has shown no noise."""
+    reading_step: float | None = None
+    """Smallest change of the reading so far, N or N·m; default 0: there was none."""
     unchanged: Vector | None = None
     """The reading that does not change, the position where it was read first, and the time since then, s; default
     zeros."""

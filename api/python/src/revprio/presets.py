@@ -48,6 +48,7 @@ PREFERRED_LENGTH = {"position": 0.1, "balance": 1.0, "orientation": 2.0}
 """`characteristic_length_m` of an arm of about 1 m; see docs/guides/choose-damping.md."""
 
 MOST_TILT_RAD = 1.4
+LATEST_S = 1e6
 """Largest tilt of a surface that a law accepts, rad."""
 
 POSE_GAIN = 2.0
@@ -81,7 +82,7 @@ def push(  # noqa: PLR0913
     `max_force`: force at which the tool leaves, N; default: none.
     """
     law = _contact(newtons, approach_speed, stiffest, max_force)
-    return _pushing(axis, law, hold, lag_s + delay_periods * period_s)
+    return _pushing(axis, law, hold, _time_to_rest(period_s, lag_s, delay_periods))
 
 
 def wipe(  # noqa: PLR0913
@@ -128,12 +129,21 @@ def wipe(  # noqa: PLR0913
         raise _invalid("/speed", "give a number above 0")
     if max_tilt_rad is not None and not 0 < _finite("/max_tilt_rad", max_tilt_rad) <= MOST_TILT_RAD:
         raise _invalid("/max_tilt_rad", f"give a number above 0, and at most {MOST_TILT_RAD}")
-    gain = pose_gain(lag_s + delay_periods * period_s)
+    gain = pose_gain(_time_to_rest(period_s, lag_s, delay_periods))
     half = stroke_m / 2
     rate = speed / abs(half)
     # From the start and back: half − half cos ω (t − t_0).
-    phase = -math.pi / 2 - rate * _finite("/start_time_s", start_time_s)
-    way = SineProfile(offset=half, amplitude=half, angular_frequency_rad_s=rate, phase_rad=phase)
+    if not abs(start_time_s) <= LATEST_S:
+        detail = f"give up to {LATEST_S:g} s on the clock of the states; on that of Unix it counts from the first state"
+        raise _invalid("/start_time_s", detail)
+    phase = -math.pi / 2 - rate * start_time_s
+    way = SineProfile(
+        offset=half,
+        amplitude=half,
+        angular_frequency_rad_s=rate,
+        phase_rad=phase,
+        start_time_s=start_time_s or None,
+    )
     law = _contact(newtons, approach_speed, stiffest, max_force)
     if max_tilt_rad is not None:
         law = law.model_copy(update={"surface": SurfaceFollowing(max_tilt_rad=max_tilt_rad)})
@@ -291,6 +301,15 @@ def characteristic_length(prefer: Literal["position", "balance", "orientation"],
     if prefer not in PREFERRED_LENGTH:
         raise _invalid("/prefer", f"`{prefer}` is unknown; give `position`, `balance` or `orientation`")
     return PREFERRED_LENGTH[prefer] * reach_m
+
+
+def _time_to_rest(period_s: float, lag_s: float, delay_periods: int) -> float:
+    """Returns lag and delay together, s; refuses what the service refuses of a controller."""
+    ranges = (("period_s", period_s, 1e-6, 10), ("lag_s", lag_s, 0, 1), ("delay_periods", delay_periods, 0, 64))
+    for field, value, least, most in ranges:
+        if not least <= value <= most:
+            raise _invalid(f"/{field}", f"give a number from {least:g} to {most:g}")
+    return lag_s + delay_periods * period_s
 
 
 def pose_gain(lag_s: float) -> float:

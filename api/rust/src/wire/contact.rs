@@ -250,6 +250,12 @@ pub struct ContactMemory {
     /// touch on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<MeasuredContact>,
+    /// Modelled position at the last step, how far the model has moved beyond the measured way lately, how much the force has risen in that time, and
+    /// the mean velocities of model and tool, and for how long the model has been too far ahead, s; absent in older memories. After a while the modelled
+    /// position goes on with the measured one.
+    #[schema(example = json!([0.012, 1e-5, 0.2, 0.001, 0.001, 0.0]))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub following: Option<[f64; 6]>,
     /// Factor of the upper bound, and the largest difference from the target force since the force last crossed it and before.
     #[schema(example = json!([1.0, 0.2, 0.3]))]
     pub swing: [f64; 3],
@@ -264,6 +270,10 @@ pub struct ContactMemory {
     #[schema(example = 0.2)]
     #[serde(default)]
     pub reading_change: f64,
+    /// Smallest change of the reading so far, N or N·m; default 0: there was none.
+    #[schema(example = 0.01)]
+    #[serde(default)]
+    pub reading_step: f64,
     /// What is known of the normal of the surface; absent for a law without `surface`, and before the first period.
     #[schema(example = json!({"normal": [0.6, 0.0, -0.8], "mean": [0.59, 0.0, -0.79], "friction": 0.31, "variance": 1e-4, "chords": 5.0,
         "is_sliding": true, "position": [[0.5, 0.1, 0.2], [0.4995, 0.1, 0.2002]], "force": [[17.0, 0.0, -12.0], [17.0, 0.0, -12.0]]}))]

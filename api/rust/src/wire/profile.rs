@@ -45,6 +45,9 @@ pub enum Profile {
         /// Phase φ, rad; default 0.
         #[serde(default)]
         phase_rad: f64,
+        /// Start time, s: before it, the value is that at the start. Absent: the sine has no start.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        start_time_s: Option<f64>,
     },
     /// A linear change from one value to another, constant before and after.
     Ramp {

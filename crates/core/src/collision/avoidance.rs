@@ -50,7 +50,7 @@ pub enum CollisionAvoidanceError {
     DuplicateObstacle(String),
     /// Two links are never d_min apart.
     #[error(
-        "`{}` and `{}` are never `min_distance_m` apart; leave the pair out when you register the robot, or give less", .0[0], .0[1]
+        "`{}` and `{}` are never `min_distance_m` apart; give less, or leave the pair out: register the robot under another name without it", .0[0], .0[1]
     )]
     AlwaysNear([String; 2]),
     /// There are too many obstacles or pairs.

@@ -16,6 +16,10 @@
 //! The rows have ends and a common normal in place of nearest points, because those jump where shapes are parallel. A row that no command
 //! of the box violates is left out, which changes no answer. A row that asks for more than the box can do asks for what it can, so that
 //! it does not outweigh others.
+//!
+//! A row asks for motion only where motion helps. With the share e of what the levers of the pair could change which g lets the box change,
+//! a row that asks for more than u_b does asks for min(1, (e/e_0)²) of that in addition. Otherwise a joint that turns along a surface would race
+//! to gain nothing: rounding of g, or of a normal that a user states, is no way to leave.
 
 use std::sync::Arc;
 
@@ -36,6 +40,9 @@ const SPREAD: f64 = 1.5;
 
 /// ε for periods up to 1 ms, m. Longer periods have more, in proportion.
 const MARGIN: f64 = 2e-4;
+
+/// e_0, share of its levers with which an arm can leave a surface. A surface tilted by 0.06° to the way of its nearest point gives it.
+const EFFECTIVE: f64 = 1e-3;
 
 /// Levels of the rows among the constraints. What stands comes first: an arm does not flee into a wall. What moves comes next, before all
 /// constraints that state no level.
@@ -228,26 +235,31 @@ impl Rows {
         let place = &self.places[k];
         let at = pair.separation(&place.body, scene.world, place.time);
         let spare = |y: f64| y - (1.0 - share) * y.min(distance - margin);
-        if spare(at.distance - margin) >= self.reach(pair, &place.moved) {
+        let reach = self.reach(pair, &place.moved);
+        if spare(at.distance - margin) >= reach {
             return 0;
         }
         let mut found = 0;
         for (points, separated) in pair.ends(&place.body, scene.world, place.time, &at.normal) {
             place.configuration.write_distance_gradient(points, &at.normal, &mut self.gradient);
             let mut bound = spare(separated - margin) / nominal.held_s;
-            let (mut least, mut most) = (0.0, 0.0);
+            let (mut least, mut most, mut braking) = (0.0, 0.0, 0.0);
             for (joint, entry) in self.gradient.iter_mut().enumerate() {
                 *entry *= -place.moved[joint] / nominal.held_s;
-                bound += *entry * nominal.command[joint];
+                braking += *entry * nominal.command[joint];
                 let ends = [nominal.limits.lower()[joint], nominal.limits.upper()[joint]].map(|end| *entry * end);
                 (least, most) = (least + ends[0].min(ends[1]), most + ends[0].max(ends[1]));
             }
+            bound += braking;
             if most <= bound || !(most - least > f64::MIN_POSITIVE) {
                 continue;
             }
             found += 1;
             let level = if pair.obstacle_speed(scene.world) > 0.0 { MOVING } else { STANDING };
-            let row = Row { name: &pair.name, level, coefficients: &self.gradient, bound: bound.max(least) };
+            let effect = nominal.held_s * (most - least) / (2.0 * reach);
+            let asked = (bound.max(least) - braking) * (effect / EFFECTIVE).powi(2).min(1.0);
+            let bound = if bound < braking { braking + asked } else { bound }.max(least);
+            let row = Row { name: &pair.name, level, coefficients: &self.gradient, bound };
             let tightness = (most - row.bound) / (most - least);
             keep(&mut self.tightness, rows, &row, tightness);
         }

@@ -36,7 +36,7 @@ mod task_vector;
 pub use bounds::{VelocityBounds, VelocityBoundsError};
 pub use contact::{
     AxisInput, ContactAxis, ContactContradiction, ContactLaw, ContactLawError, ContactPhase, ContactReport,
-    ContactSettings, ContactTiming, FaultCause, StiffnessEstimate, SurfaceMotion, Swing, Unchanged,
+    ContactSettings, ContactTiming, FaultCause, Following, StiffnessEstimate, SurfaceMotion, Swing, Unchanged,
     largest_approach_speed, unavoidable_peak,
 };
 pub use force::ForceLaw;

@@ -6,6 +6,7 @@ mod claim;
 mod events;
 #[expect(dead_code, reason = "the example uses the rest")]
 mod grid;
+mod held_back;
 mod laws;
 #[expect(dead_code, reason = "the example uses the rest")]
 mod passivity;

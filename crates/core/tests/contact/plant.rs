@@ -40,6 +40,8 @@ pub enum Event {
     Swing(f64, f64, f64),
     /// At a time, s, the wall is a distance, m, farther, and has another stiffness, N/m.
     Hole(f64, f64, f64),
+    /// From a time, s, on for another time, s, the arm does a share of what it is told: a brake, or a slider of the robot's speed.
+    HeldBack(f64, f64, f64),
     /// From a time, s, on for another time, s, the wall leaves, pushes, moves and changes its stiffness at random.
     Random(f64, f64),
 }
@@ -136,7 +138,7 @@ impl Conditions {
             Event::Leave(t, way) | Event::Hole(t, way, _) => (t, way / self.speed + 2.0 * self.travel()),
             Event::LeaveAndReturn(t, _, time) => (t, 2.0 * time),
             Event::Swing(t, ..) => (t, SWINGS),
-            Event::Random(t, time) => (t, time),
+            Event::Random(t, time) | Event::HeldBack(t, time, _) => (t, time),
         };
         let way = if self.at_rest { AWAY / self.speed } else { 0.02 };
         way + self.hold + 1.5 * self.travel() + event + lasts
@@ -195,11 +197,19 @@ struct Plant<'a> {
 }
 
 impl Plant<'_> {
+    /// Share of a command that the drive obeys.
+    fn obeyed(&self) -> f64 {
+        match self.terms.event {
+            Event::HeldBack(t, time, share) if self.time > t && self.time < t + time => share,
+            _ => 1.0,
+        }
+    }
+
     /// Displacement of the wall, m.
     fn wall(&self) -> f64 {
         let since = |t: f64| (self.time - t).max(0.0);
         match self.terms.event {
-            Event::None | Event::Layer(..) | Event::Slope(..) | Event::Random(..) => 0.0,
+            Event::None | Event::Layer(..) | Event::Slope(..) | Event::Random(..) | Event::HeldBack(..) => 0.0,
             Event::Push(t, way) => -way * (since(t) / 0.01).min(1.0),
             Event::Leave(t, way) | Event::Hole(t, way, _) => {
                 if self.time > t {
@@ -251,11 +261,13 @@ impl Plant<'_> {
         if let Some(wall) = &mut self.random {
             wall.advance(self.time, self.tool[0], dt);
         }
-        let [x, v] = self.reference;
+        let ([x, v], share) = (self.reference, self.obeyed());
         let remaining = if terms.lag > 0.0 { (-dt / terms.lag).exp() } else { 0.0 };
         let velocity = active + (v - active) * remaining;
         let moved = if terms.lag > 0.0 { 0.5 * (v + velocity) * dt } else { active * dt };
-        self.reference = [x + moved, velocity];
+        // A brake stops the drive at once.
+        let velocity = if share > 0.0 { velocity } else { 0.0 };
+        self.reference = [x + share * moved, velocity];
         let speed_before = self.tool[1];
         let force = match terms.soft {
             None => {
@@ -265,7 +277,7 @@ impl Plant<'_> {
                 if play <= 0.0 {
                     self.tool[0] = self.reference[0];
                 }
-                self.tool[1] = if play > 0.0 { (self.tool[0] - before) / dt } else { velocity };
+                self.tool[1] = if play > 0.0 { (self.tool[0] - before) / dt } else { share * velocity };
                 self.force()
             }
             Some((mass, bandwidth)) => {
@@ -343,6 +355,7 @@ pub fn run(terms: &Conditions, controller: &mut dyn Controller, mut see: impl Fn
         | Event::Hole(t, ..)
         | Event::LeaveAndReturn(t, ..)
         | Event::Swing(t, ..)
+        | Event::HeldBack(t, ..)
         | Event::Random(t, _) => t,
     };
     let mut noise = Noise::new(terms.seed);

@@ -1,6 +1,7 @@
 //! Arms keep clear of obstacles and of themselves behind drives with lag and dead time, whatever their tasks want.
 
 mod deaths;
+mod parallel;
 
 use std::sync::Arc;
 

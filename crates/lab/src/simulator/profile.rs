@@ -25,12 +25,16 @@ pub fn profile(profile: &wire::Profile, rows: usize, pointer: &str) -> Result<Pr
     };
     let profile = match profile {
         wire::Profile::Constant { value } => Profile::constant(list(value, "value")?),
-        wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad } => Profile::sine(
-            list(offset, "offset")?,
-            list(amplitude, "amplitude")?,
-            single(*angular_frequency_rad_s, "angular_frequency_rad_s")?,
-            single(*phase_rad, "phase_rad")?,
-        ),
+        wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad, start_time_s } => {
+            let start = start_time_s.map(|time| single(time, "start_time_s")).transpose()?;
+            let sine = Profile::sine(
+                list(offset, "offset")?,
+                list(amplitude, "amplitude")?,
+                single(*angular_frequency_rad_s, "angular_frequency_rad_s")?,
+                single(*phase_rad, "phase_rad")?,
+            );
+            sine.and_then(|sine| sine.starting_at(start))
+        }
         wire::Profile::Ramp { start, end, start_time_s, duration_s } => Profile::ramp(
             list(start, "start")?,
             list(end, "end")?,

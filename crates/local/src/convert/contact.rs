@@ -3,8 +3,8 @@
 use revprio_api::wire::{self, PerAxis};
 use revprio_core::controller::ControllerConfig;
 use revprio_core::law::{
-    ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, StiffnessEstimate,
-    SurfaceMotion, Swing, Unchanged,
+    ContactAxis, ContactLaw, ContactLawError, ContactPhase, ContactReport, ContactSettings, Following,
+    StiffnessEstimate, SurfaceMotion, Swing, Unchanged,
 };
 use revprio_core::surface::{NormalEstimate, NormalReport, SurfaceSettings};
 use revprio_robot::kinematics::{Axis, AxisSelection};
@@ -168,15 +168,31 @@ fn axis_memory(axis: &wire::ContactMemory) -> Result<ContactAxis> {
         mean_target: remembered(axis.mean_target_force, "/mean_target_force")?,
         estimate: stiffness_memory((&axis.stiffness, &axis.means, &axis.sums), axis.followed.as_ref())?,
         motion: motion_memory(axis)?,
+        following: following_memory(axis)?,
         swing: Swing { factor, amplitude, before, above: axis.is_above },
         unchanged: Unchanged {
             force: unchanged,
             position: since,
             time,
             change: remembered(axis.reading_change, "/reading_change")?,
+            step: remembered(axis.reading_step, "/reading_step")?,
         },
         normal: axis.normal.as_ref().map_or(Ok(NormalEstimate::START), normal_memory)?,
     })
+}
+
+fn following_memory(axis: &wire::ContactMemory) -> Result<Following> {
+    let Some(following) = axis.following else {
+        return Ok(Following { position: axis.position, ..Following::default() });
+    };
+    check_remembered(&following, "/following")?;
+    let [position, ahead, force, modelled, measured, time] = following;
+    Ok(Following { position, ahead, force, velocities: [modelled, measured], time })
+}
+
+fn following_answer(following: &Following) -> [f64; 6] {
+    let [modelled, measured] = following.velocities;
+    [following.position, following.ahead, following.force, modelled, measured, following.time]
 }
 
 fn stiffness_memory(
@@ -342,10 +358,12 @@ fn axis_answer(axis: &ContactAxis) -> wire::ContactMemory {
         mean_target_force: axis.mean_target,
         surface_motion: surface_motion_answer(&axis.motion),
         measured: (axis.motion != SurfaceMotion::default()).then(|| motion_answer(&axis.motion)),
+        following: Some(following_answer(&axis.following)),
         swing: [swing.factor, swing.amplitude, swing.before],
         is_above: swing.above,
         unchanged: [axis.unchanged.force, axis.unchanged.position, axis.unchanged.time],
         reading_change: axis.unchanged.change,
+        reading_step: axis.unchanged.step,
         normal: (axis.normal != NormalEstimate::START).then(|| normal_answer(&axis.normal)),
     }
 }

@@ -44,12 +44,16 @@ impl PerRow {
     pub fn profile(self, profile: &wire::Profile) -> Result<Profile> {
         let profile = match profile {
             wire::Profile::Constant { value } => Profile::constant(self.numbers(value, "/value")?),
-            wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad } => Profile::sine(
-                self.numbers(offset, "/offset")?,
-                self.numbers(amplitude, "/amplitude")?,
-                number(*angular_frequency_rad_s, "/angular_frequency_rad_s")?,
-                number(*phase_rad, "/phase_rad")?,
-            ),
+            wire::Profile::Sine { offset, amplitude, angular_frequency_rad_s, phase_rad, start_time_s } => {
+                let start = start_time_s.map(|time| number(time, "/start_time_s")).transpose()?;
+                let sine = Profile::sine(
+                    self.numbers(offset, "/offset")?,
+                    self.numbers(amplitude, "/amplitude")?,
+                    number(*angular_frequency_rad_s, "/angular_frequency_rad_s")?,
+                    number(*phase_rad, "/phase_rad")?,
+                );
+                sine.and_then(|sine| sine.starting_at(start))
+            }
             wire::Profile::Ramp { start, end, start_time_s, duration_s } => Profile::ramp(
                 self.numbers(start, "/start")?,
                 self.numbers(end, "/end")?,

@@ -46,7 +46,7 @@ fn task(k: usize, task: &wire::ResolveTask, arm: Option<(&RobotModel, &Configura
             let (robot, configuration) = arm.or_invalid("/axes", detail)?;
             let body = task_body(robot, task.link.as_deref(), task.relative_to.as_deref())?;
             let frame = task_frame(body, &task.frame, task.reference_point)?;
-            axes.rows_of(&frame.at(configuration).jacobian())
+            without_rounding(axes.rows_of(&frame.at(configuration).jacobian()), &axes, configuration)
         }
         (None, Some(rows)) => {
             check_no_link(task.link.as_deref(), task.relative_to.as_deref())?;
@@ -64,6 +64,17 @@ fn task(k: usize, task: &wire::ResolveTask, arm: Option<(&RobotModel, &Configura
         (None, Some(bounds)) => Ok(Task::between(name, jacobian, bounds.lower().clone(), bounds.upper().clone())),
         _ => Err(ApiError::invalid("", "give either `velocity`, or `lower` and `upper` (or one of them)")),
     }
+}
+
+/// Returns a Jacobian (m × n) whose rows are zero where only rounding is left of them: no joint moves such a row at this posture, and a solver
+/// would move all of them as fast as they can.
+fn without_rounding(mut jacobian: Matrix, axes: &AxisSelection, configuration: &Configuration) -> Matrix {
+    for (mut row, axis) in jacobian.row_iter_mut().zip(axes.axes()) {
+        if row.norm() <= configuration.rounding(axis.index() >= 3) {
+            row.fill(0.0);
+        }
+    }
+    jacobian
 }
 
 /// Returns the error of a task with bounds that is to be scaled.

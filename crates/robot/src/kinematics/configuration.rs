@@ -11,6 +11,9 @@ use crate::forward::{JointFrame, vector};
 use crate::tree::Tree;
 use crate::{LinkId, RobotModel, Tip};
 
+/// Length that rounding leaves of a row of zero of a Jacobian, over its scale.
+const ROUNDING: f64 = 1e-12;
+
 /// Joint positions of a robot with the tool pose and Jacobian there. Poses and Jacobians of other links are computed from
 /// the frames of the joints when they are asked for.
 ///
@@ -220,6 +223,14 @@ impl Configuration {
     /// Panics if the robot has no such joint.
     pub fn joint_origin(&self, joint: usize) -> Vector3<f64> {
         vector(&self.frames[self.tree.moving_joint_of(joint)].origin)
+    }
+
+    /// Returns the length that rounding leaves at most of a row of zero of a Jacobian, angular or linear (m): some thousand times 2⁻⁵² of 1, or of
+    /// the largest distance of a joint or the tool from the base.
+    pub fn rounding(&self, is_angular: bool) -> f64 {
+        let distances = (0..self.joint_position.len()).map(|joint| self.joint_origin(joint).norm());
+        let reach = || distances.fold(self.tool_pose.translation.vector.norm(), f64::max);
+        if is_angular { ROUNDING } else { ROUNDING * reach() }
     }
 
     /// Returns the columns of the Jacobian of the tool point, n, m/s.

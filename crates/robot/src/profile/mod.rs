@@ -17,7 +17,7 @@ pub const MIN_DURATION: f64 = 1e-6;
 /// | constructor | value | derivatives |
 /// |---|---|---|
 /// | [`Profile::constant`] | the same at all times | 0 |
-/// | [`Profile::sine`] | offset + amplitude sin(ω t + φ) | exact |
+/// | [`Profile::sine`] | offset + amplitude sin(ω t + φ) | exact; with a start, the rate is 0 before it |
 /// | [`Profile::ramp`] | linear from one value to another, constant before and after | exact; the rate jumps at both ends |
 /// | [`Profile::steps`] | the value of the last point passed | 0 |
 /// | [`Profile::waypoints`] | a smooth curve through all points, at rest before the first and after the last | exact; both are continuous |
@@ -27,7 +27,7 @@ pub struct Profile(Shape);
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
     Constant(DVector<f64>),
-    Sine { offset: DVector<f64>, amplitude: DVector<f64>, angular_frequency: f64, phase: f64 },
+    Sine { offset: DVector<f64>, amplitude: DVector<f64>, angular_frequency: f64, phase: f64, start_time: f64 },
     Ramp { start: DVector<f64>, end: DVector<f64>, start_time: f64, duration: f64 },
     Steps(Vec<Point>),
     Waypoints(Spline),
@@ -77,7 +77,16 @@ impl Profile {
     ) -> Result<Self, ProfileError> {
         check_finite(&[angular_frequency, phase])?;
         let [offset, amplitude] = pair(offset, amplitude)?;
-        Ok(Self(Shape::Sine { offset, amplitude, angular_frequency, phase }))
+        Ok(Self(Shape::Sine { offset, amplitude, angular_frequency, phase, start_time: f64::NEG_INFINITY }))
+    }
+
+    /// Returns a sine that rests before a time, s, at its value of that time. Without a time, and of another kind, a profile stays as it is.
+    pub fn starting_at(mut self, time: Option<f64>) -> Result<Self, ProfileError> {
+        if let (Shape::Sine { start_time, .. }, Some(time)) = (&mut self.0, time) {
+            check_finite(&[time])?;
+            *start_time = time;
+        }
+        Ok(self)
     }
 
     /// Returns a ramp from `start` to `end` at constant rate that begins at `start_time` and lasts `duration`, s.
@@ -178,9 +187,10 @@ impl Profile {
     pub fn at(&self, time_s: f64) -> SetPoint {
         match &self.0 {
             Shape::Constant(value) => SetPoint::resting(Entries::from_slice(value.as_slice())),
-            Shape::Sine { offset, amplitude, angular_frequency: omega, phase } => {
-                let (sine, cosine) = (omega * time_s + phase).sin_cos();
-                let (rate, acceleration) = (omega * cosine, -omega * omega * sine);
+            Shape::Sine { offset, amplitude, angular_frequency: omega, phase, start_time } => {
+                let (sine, cosine) = (omega * time_s.max(*start_time) + phase).sin_cos();
+                let moves = f64::from(time_s >= *start_time);
+                let (rate, acceleration) = (moves * omega * cosine, -moves * omega * omega * sine);
                 let times_amplitude = |factor: f64| amplitude.iter().map(|a| a * factor).collect();
                 SetPoint {
                     value: offset.iter().zip(amplitude).map(|(offset, a)| offset + a * sine).collect(),
@@ -266,6 +276,10 @@ mod tests {
     #[test]
     fn rates_and_accelerations_match_finite_differences() {
         let sine = Profile::sine(vec![1.0, 2.0], vec![0.5, -3.0], 2.0, 0.3).unwrap();
+        let later = sine.clone().starting_at(Some(1.5)).unwrap();
+        assert_eq!((later.at(1.5), later.at(2.0)), (sine.at(1.5), sine.at(2.0)));
+        assert_eq!((later.at(-3.0), &later.at(0.0).value), (later.at(1.0), &sine.at(1.5).value));
+        assert!(later.at(1.0).rate.iter().chain(&later.at(1.0).acceleration).all(|entry| *entry == 0.0));
         let ramp = Profile::ramp(vec![1.0, 0.0], vec![3.0, -5.0], 0.6, 2.2).unwrap();
         let step = 1e-5;
         for profile in [sine, ramp, waypoints()] {

@@ -31,9 +31,6 @@ const SAMPLED_POSTURES: usize = 3;
 /// Largest offset of these postures, rad or m. Far from zero, rounding hides which rows are zero.
 const SAMPLED_RANGE: f64 = 3.0;
 
-/// Length that rounding leaves of a row of zero, relative to 1 or to the largest distance of a joint from the base: some thousand times 2⁻⁵².
-const UNMOVED: f64 = 1e-12;
-
 impl ControllerConfig {
     /// Returns the limits of the robot that every command keeps; `None` for a fixed box, and for the solver `ClosedForm`,
     /// which ignores limits.
@@ -186,17 +183,11 @@ impl ControllerConfig {
             for (task, jacobian) in self.tasks.iter().zip(&mut jacobians) {
                 task.rows.write_jacobian(arm.later(&configuration, 0.0), jacobian);
             }
-            let distances = (0..n).map(|joint| configuration.joint_origin(joint).norm());
-            let reach = distances.fold(configuration.tool_pose().translation.vector.norm(), f64::max);
             for ((task, jacobian), moved) in self.tasks.iter().zip(&jacobians).zip(&mut moved) {
                 for ((row, entries), moved) in jacobian.row_iter().enumerate().zip(moved) {
-                    let rounding = match task.rows.is_angular(row, &self.robot) {
-                        Some(true) => UNMOVED,
-                        Some(false) => UNMOVED * reach,
-                        // Raw rows are not rounded.
-                        None => 0.0,
-                    };
-                    *moved |= entries.norm() > rounding;
+                    // Raw rows are not rounded.
+                    let is_angular = task.rows.is_angular(row, &self.robot);
+                    *moved |= entries.norm() > is_angular.map_or(0.0, |is_angular| configuration.rounding(is_angular));
                 }
             }
         }

@@ -1,7 +1,9 @@
 //! What the contact law remembers of one axis.
 
 use super::estimate::StiffnessEstimate;
+use super::following::Following;
 use super::motion::{SurfaceMotion, lagging};
+use super::settings::ContactSettings;
 use super::swing::Swing;
 use super::timing::ContactTiming;
 use super::unchanged::Unchanged;
@@ -12,6 +14,9 @@ pub(super) const HELD: f64 = 0.3;
 
 /// Share by which the slopes over the modelled and the measured position differ on a drive that does not yield.
 const SAME: f64 = 0.1;
+
+/// Factor of K̂ from which a contact is much stiffer.
+const MUCH_STIFFER: f64 = 2.0;
 
 /// The state of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,7 +57,7 @@ pub enum FaultCause {
 pub struct ContactAxis {
     /// The state.
     pub phase: ContactPhase,
-    /// x, modelled position of the tool since the first step, m.
+    /// x, modelled position of the tool since the first step, m; the measured one goes on where the arm is held back.
     pub position: f64,
     /// x_s, the position as the force sensor sees it, m.
     pub sensed_position: f64,
@@ -82,6 +87,8 @@ pub struct ContactAxis {
     pub estimate: StiffnessEstimate,
     /// How the surface moves.
     pub motion: SurfaceMotion,
+    /// How well the arm follows its model.
+    pub following: Following,
     /// How the force swings.
     pub swing: Swing,
     /// Since when the reading is the same.
@@ -109,8 +116,9 @@ impl ContactAxis {
         fault_position: 0.0,
         estimate: StiffnessEstimate::NONE,
         motion: SurfaceMotion::NONE,
+        following: Following::START,
         swing: Swing::NONE,
-        unchanged: Unchanged { force: 0.0, position: 0.0, time: 0.0, change: 0.0 },
+        unchanged: Unchanged::START,
         normal: NormalEstimate::START,
     };
 
@@ -130,6 +138,11 @@ impl ContactAxis {
         let [modelled, measured] = [&self.estimate, &self.motion.stiffness];
         let is_same = (modelled.slope - measured.slope).abs() < SAME * measured.slope;
         is_same && modelled.is_known(sigma) && measured.is_known(sigma)
+    }
+
+    /// Returns whether the measured positions show a much stiffer contact than the modelled ones: those are wrong, or the drive yields.
+    pub(super) fn is_measured_stiffer(&self) -> bool {
+        self.motion.stiffness.best() > MUCH_STIFFER * self.estimate.upper
     }
 
     /// Returns what a surface that is followed continues from.
@@ -158,6 +171,11 @@ impl ContactAxis {
             self.motion.means[0],
             self.motion.means[1],
             self.motion.velocity,
+            self.following.position,
+            self.following.ahead,
+            self.following.force,
+            self.following.velocities[0],
+            self.following.velocities[1],
             self.unchanged.force,
             self.unchanged.position,
         ];
@@ -173,6 +191,8 @@ impl ContactAxis {
             self.swing.before,
             self.unchanged.time,
             self.unchanged.change,
+            self.unchanged.step,
+            self.following.time,
         ];
         let is_finite = |value: &f64| value.is_finite();
         signed.iter().all(is_finite)
@@ -182,6 +202,14 @@ impl ContactAxis {
             && self.estimate.is_valid()
             && self.motion.stiffness.is_valid()
             && self.normal.is_valid()
+    }
+
+    /// Begins to learn the stiffness of a contact with the force F, N, here.
+    pub(super) fn touch(&mut self, settings: &ContactSettings, force: f64) {
+        self.estimate = StiffnessEstimate::start(settings, self.sensed_position, force);
+        self.swing = Swing::NONE;
+        self.motion.touch(settings, force);
+        (self.surface, self.hold_time) = (self.sensed_position, 0.0);
     }
 
     /// Moves the model by `way` (m) in a time (s), at a constant speed.

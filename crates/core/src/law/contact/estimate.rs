@@ -9,6 +9,9 @@ const MARGIN: f64 = 1.25;
 /// K̂ over the slope, below which K̂ does not fall while the contact is held.
 const HELD_MARGIN: f64 = 2.0;
 
+/// Factor by which K̂ grows with bounces and swings.
+const DOUBT: f64 = 4.0;
+
 /// n_z, dead zone of the estimator in units of σ.
 const DEAD_ZONE: f64 = 10.0;
 
@@ -136,6 +139,15 @@ impl StiffnessEstimate {
     pub(super) fn restart(&mut self, [position, force]: [f64; 2], velocity: f64) {
         (self.mean_position, self.mean_force) = (position, force);
         (self.followed, self.rates) = ([position, force], [velocity, 0.0]);
+    }
+
+    /// Raises K̂, and forgets what it rests on: a contact that bounces or swings is stiffer than was thought. Returns the factor.
+    pub(super) fn doubt(&mut self, settings: &ContactSettings) -> f64 {
+        let upper = (DOUBT * self.upper).min(settings.stiffest);
+        let factor = upper / self.upper;
+        let Self { mean_position, mean_force, .. } = *self;
+        *self = Self { upper, mean_position, mean_force, ..Self::default() };
+        factor
     }
 
     /// Learns from x_s (m) and F (N) of a period in contact. It learns only from motion that the noise does not hide.
@@ -323,7 +335,8 @@ mod tests {
         let settings = ContactSettings::default();
         let mut estimate = after_motion(1e3, 0.03);
         let (x, f) = (estimate.mean_position + 0.005, estimate.mean_force + 250.0);
-        estimate.learn((&settings, &timing()), (x, f), Some(Held { surface_velocity: 0.0, target_has_changed: true }));
+        let held = Held { surface_velocity: 0.0, target_has_changed: true };
+        estimate.learn((&settings, &timing()), (x, f), Some(held));
         assert!(estimate.upper > 1.24 * 49_000.0, "{estimate:?}");
     }
 }

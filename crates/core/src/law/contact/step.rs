@@ -2,10 +2,9 @@
 
 use super::approach::{largest_approach_speed, unavoidable_peak};
 use super::axis::{ContactAxis, ContactPhase, FaultCause, HELD};
-use super::estimate::{Held, StiffnessEstimate};
+use super::estimate::Held;
 use super::report::ContactReport;
 use super::settings::ContactSettings;
-use super::swing::Swing;
 use super::timing::ContactTiming;
 
 /// β, the share of F_d by which the prediction may exceed it before the emergency stop begins.
@@ -37,6 +36,9 @@ const CHANGED: f64 = 0.05;
 
 /// Factor of swings above which the stiffness is learnt anew.
 const RELEARNT: f64 = 4.0;
+
+/// Share of F_d by which F exceeded it before a bounce that shows a K̂ which is too small.
+const HAMMERS: f64 = 0.2;
 
 /// How near that is: a share of F_d, or of f₅.
 const NEAR: (f64, f64) = (0.1, 1.0);
@@ -116,6 +118,7 @@ impl Step<'_> {
     pub fn run(mut self) -> (f64, ContactReport) {
         let (speed, before) = (self.approach_speed(), self.axis.phase);
         self.spend();
+        self.follow_arm();
         self.axis.force = self.input.force;
         self.find_faults();
         self.axis.motion.advance(self.timing.sensor_lag, self.input.moved);
@@ -172,6 +175,25 @@ impl Step<'_> {
         self.ahead_of_sensor() - self.axis.motion.velocity * self.timing.following
     }
 
+    /// Moves the model as the arm was measured to move while it is held back. What the model showed before is forgotten: it looked soft.
+    fn follow_arm(&mut self) {
+        let AxisInput { force, moved: [measured, time], .. } = self.input;
+        let (settings, axis) = (self.settings, &mut *self.axis);
+        let was_held_back = axis.following.is_held_back(self.timing);
+        let modelled = axis.position - axis.following.position;
+        let ways = [modelled, measured];
+        axis.following.add((settings, self.timing), (ways, force - axis.force), time);
+        if axis.following.is_held_back(self.timing) {
+            let lost = if !was_held_back { axis.following.ahead } else { modelled - measured };
+            axis.position -= lost;
+            axis.sensed_position -= lost;
+            if !was_held_back && axis.phase == ContactPhase::Contact {
+                axis.touch(settings, force);
+            }
+        }
+        axis.following.position = axis.position;
+    }
+
     /// Gives up a contact whose force is too large, of the wrong sign, or stuck.
     fn find_faults(&mut self) {
         let (settings, axis, force) = (self.settings, &mut *self.axis, self.input.force);
@@ -224,18 +246,20 @@ impl Step<'_> {
             // A bounce: the next touch is slower.
             let floor = (SLOWEST_RETURN * settings.metre).min(speed);
             let is_long = axis.contact_time >= LONG_CONTACT;
+            // The second one in a row, from a force above the target: K̂ is too small.
+            let hammers = !is_long && axis.return_speed < speed && axis.swing.before > HAMMERS * self.input.target;
+            if hammers && axis.is_measured_stiffer() {
+                axis.estimate.doubt(settings);
+            }
             axis.return_speed = if is_long { speed } else { (0.5 * axis.return_speed).max(floor) };
             axis.contact_time = 0.0;
         }
         match axis.phase {
             ContactPhase::Approach if touches => {
                 axis.phase = ContactPhase::Contact;
-                axis.estimate = StiffnessEstimate::start(settings, position, force);
-                axis.swing = Swing::NONE;
-                axis.motion.touch(settings, force);
+                axis.touch(settings, force);
                 axis.mean_target = self.input.target;
-                (axis.surface, axis.return_speed) = (position, speed);
-                (axis.contact_time, axis.hold_time) = (0.0, 0.0);
+                (axis.return_speed, axis.contact_time) = (speed, 0.0);
             }
             ContactPhase::Loss if force > threshold => {
                 axis.phase = ContactPhase::Contact;
@@ -286,6 +310,10 @@ impl Step<'_> {
         let is_read = axis.unchanged.time <= self.timing.tracking;
         axis.motion.learn(terms, forces, (&axis.swing, held), is_read);
         axis.swing.update(terms, forces[0] - forces[1], forces[1]);
+        if axis.swing.factor > RELEARNT && axis.is_measured_stiffer() {
+            axis.swing.factor /= axis.estimate.doubt(self.settings);
+            axis.hold_time = 0.0;
+        }
     }
 
     /// Returns the clock of a held contact after this period, s; `target_has_changed`: the target has changed.

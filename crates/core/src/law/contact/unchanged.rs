@@ -15,6 +15,9 @@ const NEAR: (f64, f64) = (1.0, 1e-2);
 /// Rms change of a reading that shows noise, in units of σ: such a reading never stays the same.
 const NOISY: f64 = 0.2;
 
+/// Steps of the reading on the softest surface, within which it may stay the same.
+const STEPS: f64 = 2.0;
+
 /// Share of a new change in that mean, and the periods without a change that count.
 const MEMORY: (f64, f64) = (0.3, 3.0);
 
@@ -29,9 +32,14 @@ pub struct Unchanged {
     pub time: f64,
     /// Rms change of the readings before it, N.
     pub change: f64,
+    /// The smallest change of the reading so far, N: its resolution, or less than the noise; 0: there was none.
+    pub step: f64,
 }
 
 impl Unchanged {
+    /// No readings yet.
+    pub(super) const START: Self = Self { force: 0.0, position: 0.0, time: 0.0, change: 0.0, step: 0.0 };
+
     /// Adds a reading (N) at a position (m) after a time (s).
     pub(super) fn add(&mut self, settings: &ContactSettings, (force, position): (f64, f64), time: f64) {
         let change = force - self.force;
@@ -42,7 +50,8 @@ impl Unchanged {
         if is_same {
             self.time += time;
         } else {
-            *self = Self { force, position, time: 0.0, change: self.change };
+            let step = if self.step > 0.0 { self.step.min(change.abs()) } else { change.abs() };
+            *self = Self { force, position, time: 0.0, change: self.change, step };
         }
     }
 
@@ -57,7 +66,10 @@ impl Unchanged {
     ) -> bool {
         let (time, way) = if is_near { NEAR } else { AWAY };
         let moved = (position - self.position).abs();
-        let is_noisy = self.change > NOISY * settings.noise;
-        self.time > time && moved > way * settings.metre || is_noisy && self.time > AWAY.0 && stiffness * moved > near
+        // A coarse reading stays the same while the tool sinks into something soft, and shows no noise.
+        let way = (way * settings.metre).max(STEPS * self.step / settings.softest);
+        let noise = NOISY * settings.noise;
+        let is_noisy = self.change > noise && self.step < noise;
+        self.time > time && moved > way || is_noisy && self.time > AWAY.0 && stiffness * moved > near
     }
 }
