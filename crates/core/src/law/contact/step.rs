@@ -184,7 +184,7 @@ impl Step<'_> {
         let ways = [modelled, measured];
         axis.following.add((settings, self.timing), (ways, force - axis.force), time);
         if axis.following.is_held_back(self.timing) {
-            let lost = if !was_held_back { axis.following.ahead } else { modelled - measured };
+            let lost = if was_held_back { modelled - measured } else { axis.following.ahead };
             axis.position -= lost;
             axis.sensed_position -= lost;
             if !was_held_back && axis.phase == ContactPhase::Contact {
