@@ -136,7 +136,7 @@ mod tests {
         for lag in [20.0, 80.0] {
             assert_eq!(held_back(Following::START, late(lag)).0, 0, "{lag}");
         }
-        assert_eq!(held_back(Following::START, |k| [0.02 * there_and_back(k), 0.0]).0, 0);
+        assert_eq!(held_back(Following::START, |k| [0.002 * there_and_back(k), 0.0]).0, 0);
         assert_eq!(held_back(Following::START, |k| [0.0, 0.01 * there_and_back(k)]).0, 0);
     }
 
