@@ -114,8 +114,25 @@ export async function open(browser, url, options = {}) {
     if (message.type() === 'error' && !message.text().startsWith('Failed to load resource')) pageErrors.push(message.text());
   });
   const watch = watchFrames(page);
+  const runs = madeRuns(page);
   await page.goto(url);
-  return { page, pageErrors, close: () => { clearInterval(watch); return context.close(); } };
+  const close = async () => {
+    clearInterval(watch);
+    await context.close();
+    // A page deletes its runs when it is left. One that is closed at once may be cut short, and the service accepts only a few.
+    await Promise.all(runs.map((run) => fetch(run, { method: 'DELETE' }).catch(() => {})));
+  };
+  return { page, pageErrors, close };
+}
+
+/** Returns the list of the addresses of the runs that a page makes. */
+function madeRuns(page) {
+  const runs = [];
+  page.on('response', (response) => {
+    const location = response.status() === 202 && response.headers().location;
+    if (location) runs.push(new URL(location, response.url()).href);
+  });
+  return runs;
 }
 
 /** Opens a setup of a service; `body` gets the page. Afterwards the page must have had no errors. */

@@ -80,10 +80,11 @@ impl Simulations {
             jobs.len() >= MAX_KEPT || periods + job.periods() > MAX_PERIODS_KEPT
         };
         while is_full(&jobs) {
-            let Some(oldest) = jobs.iter().position(|job| job.ended_for().is_some()) else {
+            let has_ended = |job: &Arc<Job>| job.ended_for().is_some();
+            let Some(place) = jobs.iter().position(has_ended).or_else(|| left_alone(&jobs)) else {
                 return Err(ApiError::busy("too many simulations are waiting or running; try again later"));
             };
-            jobs.remove(oldest);
+            jobs.remove(place).cancel();
         }
         jobs.push(Arc::clone(job));
         Ok(())
@@ -114,16 +115,17 @@ impl Simulations {
 
 /// Ends the interactive simulation that was left alone longest if there are too many.
 fn make_room(jobs: &[Arc<Job>]) -> Result<(), ApiError> {
-    let unattended: Vec<_> = jobs.iter().filter_map(|job| Some((job.unattended_for()?, job))).collect();
-    if unattended.len() < MAX_INTERACTIVE {
+    if jobs.iter().filter_map(|job| job.unattended_for()).count() < MAX_INTERACTIVE {
         return Ok(());
     }
-    match unattended.into_iter().max_by_key(|(time, _)| *time) {
-        Some((time, job)) if time > ROOM_TIME => job.finish(),
-        _ => {
-            let detail = format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
-            return Err(ApiError::busy(detail));
-        }
-    }
+    let detail = || format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
+    let place = left_alone(jobs).ok_or_else(|| ApiError::busy(detail()))?;
+    jobs[place].finish();
     Ok(())
+}
+
+/// Returns the interactive simulation that was left alone longest, for longer than [`ROOM_TIME`].
+fn left_alone(jobs: &[Arc<Job>]) -> Option<usize> {
+    let times = jobs.iter().enumerate().filter_map(|(place, job)| Some((job.unattended_for()?, place)));
+    times.filter(|(time, _)| *time > ROOM_TIME).max().map(|(_, place)| place)
 }
