@@ -109,7 +109,7 @@ inline Json wipe(const std::string& axis, double newtons, const std::string& alo
     const double half = options.stroke_m / 2;
     const double rate = options.speed / std::abs(half);
     Json way{{"kind", "sine"}, {"offset", half}, {"amplitude", half}, {"angular_frequency_rad_s", rate},
-                   {"phase_rad", -std::acos(0.0) - rate * options.start_time_s}};
+             {"phase_rad", -std::acos(0.0) - rate * options.start_time_s}};
     if (options.start_time_s != 0) way["start_time_s"] = options.start_time_s;
     const Json sweep{{"kind", "pose"}, {"gain", presets::pose_gain(options)}, {"target_displacement", way}};
     Json law = presets::contact_law(newtons, options);

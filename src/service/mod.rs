@@ -106,8 +106,8 @@
 //!
 //! The service keeps at most 64 simulations with 250 000 control periods together, so their traces use at most about
 //! 250 MB. A new interactive simulation takes the place of one that no client has watched or commanded for five seconds;
-//! without a new one, such a simulation ends after a minute. An ended simulation is deleted after an hour, or earlier if a new one needs its place. If no ended simulation
-//! is left to delete, a new one gets 503.
+//! without a new one, such a simulation ends after a minute. An ended simulation is deleted after an hour, or earlier if a new
+//! one needs its place. If none is left to delete, a new one gets 503.
 //!
 //! # Protection against overload and misuse
 //!

@@ -6,6 +6,7 @@ const AXES: readonly Axis[] = ["x", "y", "z", "rx", "ry", "rz"];
 const LAG_S = 0.03;
 /** Largest tilt of a surface that a law accepts, rad. */
 const MOST_TILT_RAD = 1.4;
+/** Latest start of a motion, s. */
 const LATEST_S = 1e6;
 
 /** Delay of a command, periods: the default of the `drive` of a controller. */

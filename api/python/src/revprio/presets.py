@@ -48,8 +48,10 @@ PREFERRED_LENGTH = {"position": 0.1, "balance": 1.0, "orientation": 2.0}
 """`characteristic_length_m` of an arm of about 1 m; see docs/guides/choose-damping.md."""
 
 MOST_TILT_RAD = 1.4
-LATEST_S = 1e6
 """Largest tilt of a surface that a law accepts, rad."""
+
+LATEST_S = 1e6
+"""Latest start of a motion, s."""
 
 POSE_GAIN = 2.0
 """Largest gain of a pose law, 1/s. The joints of all built-in arms can follow it."""

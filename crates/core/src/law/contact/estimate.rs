@@ -144,7 +144,7 @@ impl StiffnessEstimate {
     /// Raises K̂, and forgets what it rests on: a contact that bounces or swings is stiffer than was thought. Returns the factor.
     pub(super) fn doubt(&mut self, settings: &ContactSettings) -> f64 {
         let upper = (DOUBT * self.upper).min(settings.stiffest);
-        let factor = upper / self.upper;
+        let factor = if self.upper > 0.0 { upper / self.upper } else { 1.0 };
         let Self { mean_position, mean_force, .. } = *self;
         *self = Self { upper, mean_position, mean_force, ..Self::default() };
         factor
