@@ -16,6 +16,9 @@ const UNSTATED: (f64, f64) = (0.1, 3.0);
 /// Time in which what the model is ahead is forgotten, over that lag: an arm that does half of what it is told is held back.
 const FORGOTTEN: f64 = 3.0;
 
+/// Time for which an arm must be too far behind to be held back, over that lag.
+const LASTS: f64 = 1.5;
+
 /// Way of play, yielding and resolution, m.
 const PLAY: f64 = 2e-4;
 
@@ -86,7 +89,7 @@ impl Following {
 
     /// Returns whether the arm is held back: for longer than an impact stops a motor at its largest torque.
     pub(super) fn is_held_back(&self, timing: &ContactTiming) -> bool {
-        self.time > unstated(timing)
+        self.time > LASTS * unstated(timing)
     }
 }
 
