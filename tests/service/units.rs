@@ -343,7 +343,9 @@ fn a_profile_that_ended_before_the_first_state_is_reported() {
                 service.call("/v1/step", &json!({"controller": controller, "state": state.clone(), "memory": null}));
             state["sequence"] = json!(state["sequence"].as_u64().unwrap() + 1);
             let later = json!({"controller": controller, "state": state, "memory": answer["memory"]});
-            assert!(!warnings(&service.call("/v1/step", &later)).contains("profile"), "{time_s}");
+            let then = warnings(&service.call("/v1/step", &later));
+            assert!(!then.contains("profile"), "{time_s}");
+            assert_eq!(then.contains("`time_s` stands still"), time_s < end_s || time_s > 1e9, "{time_s}: {then}");
             warnings(&answer)
         };
         let report = format!("task `go`: its profile ended at {end_s} s, before the first state");

@@ -273,7 +273,7 @@ fn poor_readings_are_refused_with_the_posture_to_add() {
         (json!({"robot": "nobody"}), "/robot"),
         (json!({"robot": null}), "/readings/0"),
         (json!({"readings": []}), "/readings"),
-        (json!({"gravity": [0, 0, 0]}), "/readings/0"),
+        (json!({"gravity": [0, 0, 0]}), "/gravity"),
         (json!({"tip": "left"}), "/tip"),
     ] {
         let mut changed = request.clone();

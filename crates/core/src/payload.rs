@@ -92,8 +92,8 @@ pub enum PayloadError {
     Axes(AxisAssignment),
     /// The readings are not those of a mass.
     #[error(
-        "the forces differ from those of a mass by {residual:.2} N rms, at a noise of {noise:.2} N: the pose of the sensor is wrong, \
-         something touches the tool, or the arm moved"
+        "the forces differ from those of a mass by {residual:.2} N rms, at a noise of {noise:.2} N: the pose of the sensor or \
+         `wrench_frame` is wrong, something touches the tool, or the arm moved"
     )]
     Residual {
         /// The residual, N.

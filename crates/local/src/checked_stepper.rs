@@ -88,6 +88,7 @@ impl CheckedStepper {
         request_warnings::of_targets(&mut warnings, &controller, measurement);
         if let Some(last) = last {
             last.compare(&mut warnings, sequence, measurement, &controller);
+            warnings::warn_about_clock(&mut warnings, &self.profile_ends, last.time_s, measurement.time_s);
         }
         let why = if self.rules.why { why::why_of_step(config, command, measurement) } else { Vec::new() };
         Ok((command, Remarks { warnings, why }))

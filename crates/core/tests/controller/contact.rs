@@ -453,6 +453,39 @@ fn a_tool_presses_surely_before_the_contact_is_held_and_never_with_a_bias() {
     }
 }
 
+/// A tool that leaves a surface because of its force still presses on it for some periods.
+#[test]
+fn a_tool_presses_surely_while_it_retreats_from_a_surface_and_not_with_a_large_bias() {
+    let robot = sawyer();
+    let settings = ContactSettings { max_force: 40.0, ..ContactSettings::default() };
+    let config = press_down(&robot, settings).config().clone();
+    let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &[(2, 0.005, -1.0, 1e4)]);
+    world.run(2.0, 1);
+    world.walls = vec![(2, -0.005, -1.0, 1e4)];
+    let mut retreats = 0;
+    for _ in 0..1000 {
+        world.run(PERIOD, 1);
+        let contacts = &world.memory.as_ref().unwrap().contacts;
+        let is_fault = contacts[0].phase == ContactPhase::Fault(FaultCause::ForceLimit);
+        let presses = is_fault && contacts[0].force > 2.0;
+        retreats += u32::from(presses);
+        assert!(config.presses_surely(contacts) || !presses, "{:?}", contacts[0]);
+    }
+    assert!(retreats > 5 && !config.presses_surely(&world.memory.as_ref().unwrap().contacts), "{retreats} periods");
+
+    let mut world = World::new(&robot, &NOMINAL, press_down(&robot, settings), &[]);
+    for _ in 0..1000 {
+        let mut measured = world.arm.measure(world.time);
+        measured.wrench[2] = -60.0;
+        let velocity = world.stepper.step(&mut world.memory, &measured).unwrap().resolution.joint_velocity.clone();
+        assert!(!config.presses_surely(&world.memory.as_ref().unwrap().contacts));
+        world.arm.follow(velocity.as_slice(), PERIOD);
+        world.time += PERIOD;
+    }
+    let contacts = &world.memory.as_ref().unwrap().contacts;
+    assert_eq!(contacts[0].phase, ContactPhase::Fault(FaultCause::ForceLimit));
+}
+
 /// A contact goes on when streamed forces fail to come, and a fault retreats then, too.
 #[test]
 fn a_contact_and_its_fault_go_on_when_streamed_forces_fail_to_come() {

@@ -24,7 +24,7 @@ pub fn identify(request: &wire::PayloadRequest, robots: &Robots) -> Result<wire:
     let noise =
         [number(request.force_noise_n, "/force_noise_n")?, number(request.torque_noise_nm, "/torque_noise_nm")?];
     let readings: Vec<_> = Sensor::read(request, robots)?.readings(&request.readings)?;
-    let found = payload::identify(&readings, noise).map_err(|error| refused(&error))?;
+    let found = payload::identify(&readings, noise).map_err(|error| refused(&error, request))?;
     let sign = if request.wrench_convention == wire::WrenchConvention::OnTool { 1.0 } else { -1.0 };
     Ok(answer(&found, sign, readings.len()))
 }
@@ -87,10 +87,12 @@ impl<'a> Sensor<'a> {
     }
 }
 
-fn refused(error: &PayloadError) -> ApiError {
+fn refused(error: &PayloadError, request: &wire::PayloadRequest) -> ApiError {
     let pointer = match error {
         PayloadError::Noise => "/force_noise_n".to_owned(),
-        PayloadError::NotFinite { reading } => format!("/readings/{reading}"),
+        // The numbers of the request are finite, so this is gravity.
+        PayloadError::NotFinite { reading } if request.readings[*reading].gravity.is_none() => "/gravity".to_owned(),
+        PayloadError::NotFinite { reading } => format!("/readings/{reading}/gravity"),
         PayloadError::Few(_)
         | PayloadError::Similar { .. }
         | PayloadError::Axes(_)

@@ -26,7 +26,7 @@ use super::request_warnings;
 
 pub use channels::warn as warn_about_channels;
 pub use description::warnings as of_description;
-pub use profiles::{ProfileEnd, ends as profile_ends, warn as warn_about_profiles};
+pub use profiles::{ProfileEnd, ends as profile_ends, warn as warn_about_profiles, warn_about_clock};
 pub use tare::warn as warn_about_tare;
 pub use targets::warn as warn_about_targets;
 pub use weights::warn as warn_about_weights;

@@ -1,16 +1,17 @@
-//! Warnings about profiles that have ended before the loop begins, because they count on another clock than the states.
+//! Warnings about profiles that have ended before the loop begins, because they count on another clock than the states, or whose clock
+//! stands still.
 
 use revprio_api::wire::{self, LawTarget, Profile};
 use revprio_core::controller::UNIX_TIME_S;
 
-/// Until when the target of a task moves.
+/// Until when the target of a task moves, s; infinite if it does for ever.
 #[derive(Debug)]
 pub struct ProfileEnd {
     task: String,
     end_s: f64,
 }
 
-/// Returns the tasks whose target moves for a while and then rests.
+/// Returns the tasks whose target moves.
 pub fn ends(request: &wire::Controller) -> Vec<ProfileEnd> {
     let with_law = request.tasks.iter().filter_map(|task| Some((&task.name, task.law.as_ref()?)));
     with_law.filter_map(|(task, law)| Some(ProfileEnd { task: task.clone(), end_s: end_s(target(law)?)? })).collect()
@@ -27,6 +28,16 @@ pub fn warn(warnings: &mut Vec<String>, ends: &[ProfileEnd], time_s: f64) {
     }));
 }
 
+/// Adds a warning if a target moves over time, and the time of the state, s, is that of the state before.
+pub fn warn_about_clock(warnings: &mut Vec<String>, ends: &[ProfileEnd], before_s: f64, time_s: f64) {
+    let moving = ends.iter().find(|profile| profile.end_s > time_s || time_s > UNIX_TIME_S);
+    warnings.extend(moving.filter(|_| time_s == before_s).map(|ProfileEnd { task, .. }| {
+        format!(
+            "`time_s` stands still at {time_s}, and with it the target of task `{task}`; send the time at which each state was measured"
+        )
+    }));
+}
+
 fn target(law: &wire::Law) -> Option<&Profile> {
     match law.target() {
         LawTarget::Velocity(profile) | LawTarget::Joints { position: profile, .. } => Some(profile),
@@ -35,13 +46,14 @@ fn target(law: &wire::Law) -> Option<&Profile> {
     }
 }
 
-/// Returns when a profile ends, s; `None`: never, or it does not move.
+/// Returns when a profile ends, s; `None`: it does not move.
 fn end_s(profile: &Profile) -> Option<f64> {
     match profile {
         Profile::Ramp { start_time_s, duration_s, .. } => Some(start_time_s + duration_s),
         Profile::Waypoints { points } | Profile::Steps { points } => {
             points.last().filter(|_| points.len() > 1).map(|point| point.time_s)
         }
-        _ => None,
+        Profile::Sine { .. } => Some(f64::INFINITY),
+        Profile::Constant { .. } => None,
     }
 }

@@ -109,7 +109,7 @@ impl ControllerConfig {
     /// Returns whether a tool certainly presses on a surface; `axes`: what the contact laws remember.
     pub fn presses_surely(&self, axes: &[ContactAxis]) -> bool {
         let settings = self.tasks.iter().filter_map(|task| task.law.contact()).flat_map(ContactLaw::axes);
-        settings.zip(axes).any(|(settings, axis)| axis.presses_surely(settings.noise))
+        settings.zip(axes).any(|(settings, axis)| axis.presses_surely(settings))
     }
 
     /// Returns what *near singular* means to this controller: its damping, or that of most arms if it damps nothing.

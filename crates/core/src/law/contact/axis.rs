@@ -128,9 +128,14 @@ impl ContactAxis {
     }
 
     /// Returns whether the tool certainly presses on a surface: the contact is held, or the force has risen with the way of the tool, as no bias
-    /// does. `sigma`: σ, N.
-    pub fn presses_surely(&self, sigma: f64) -> bool {
-        self.is_held() || self.phase == ContactPhase::Contact && self.knows_stiffness(sigma)
+    /// does; also while the tool retreats from such a contact.
+    pub fn presses_surely(&self, settings: &ContactSettings) -> bool {
+        let knows = || self.knows_stiffness(settings.noise);
+        match self.phase {
+            ContactPhase::Contact => self.is_held() || knows(),
+            ContactPhase::Fault(FaultCause::ForceLimit) => self.force > settings.threshold() && knows(),
+            _ => false,
+        }
     }
 
     /// Returns whether the stiffness is known well, for a noise σ (N): also from the measured position, so that the drive does not yield.
