@@ -32,6 +32,7 @@ fn stateless(service: &Service, controller: &Value) -> [String; 2] {
     let mut state = example("state.json");
     let first = service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": null}));
     state["sequence"] = json!(state["sequence"].as_u64().unwrap() + 1);
+    state["time_s"] = json!(state["time_s"].as_f64().unwrap() + PERIOD);
     let second =
         service.call("/v1/step", &json!({"controller": controller, "state": state, "memory": first["memory"]}));
     [warnings(&first), warnings(&second)]

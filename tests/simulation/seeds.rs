@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use crate::coverage::Coverage;
 use crate::run::run;
 
-/// Seeds of an ordinary run: eight times as many as the rarest planted defect of docs/simulation.md needed.
-const ORDINARY: Range<u64> = 0..4_000;
+/// Seeds of an ordinary run: four times as many as the rarest planted defect of docs/simulation.md needed.
+const ORDINARY: Range<u64> = 0..2_000;
 
 /// A run of milliseconds that takes this long hangs without letting the simulated time pass.
 const HANGS: Duration = Duration::from_mins(2);
