@@ -19,24 +19,32 @@ use super::step::{self, ITEMS_PER_THREAD};
 pub async fn single(body: RawBody, app: &Arc<AppState>) -> Result<ResolveAnswer, ApiError> {
     let shared = Arc::clone(app);
     if body.is_large() {
-        return app.large_problems.run(move |_| one(&body.read()?, &shared)).await?;
+        return app.large_problems.run(move |abandoned| one(&body.read()?, &shared, abandoned)).await?;
     }
     let start = Instant::now();
     let problem = convert::resolve_problem(&body.read()?, &app.robots)?;
     if price::of_problem(&problem.problem, problem.solver) > price::RESOLVE_BUDGET {
-        return app.large_problems.run(move |_| solve(&problem, start, &shared)).await?;
+        return app.large_problems.run(move |abandoned| solve(&problem, start, &shared, abandoned)).await?;
     }
-    solve(&problem, start, app)
+    solve(&problem, start, app, &Abandoned::default())
 }
 
-fn one(request: &ResolveRequest, app: &AppState) -> Result<ResolveAnswer, ApiError> {
+fn one(request: &ResolveRequest, app: &AppState, abandoned: &Abandoned) -> Result<ResolveAnswer, ApiError> {
     let start = Instant::now();
-    solve(&convert::resolve_problem(request, &app.robots)?, start, app)
+    solve(&convert::resolve_problem(request, &app.robots)?, start, app, abandoned)
 }
 
-fn solve(problem: &ResolveProblem, start: Instant, app: &AppState) -> Result<ResolveAnswer, ApiError> {
-    let answer = step::resolve(problem, start)?;
-    app.metrics.count_resolution(&answer.solver);
+fn solve(
+    problem: &ResolveProblem,
+    start: Instant,
+    app: &AppState,
+    abandoned: &Abandoned,
+) -> Result<ResolveAnswer, ApiError> {
+    let flag = abandoned.clone();
+    let answer = step::resolve(problem, start, move || flag.is_set())?;
+    if !abandoned.is_set() {
+        app.metrics.count_resolution(&answer.solver);
+    }
     Ok(answer)
 }
 
@@ -51,7 +59,7 @@ fn many(request: &BatchRequest, app: &AppState, abandoned: &Abandoned) -> Result
     let problems = &request.items;
     step::check_batch_size(problems.len())?;
     let item = |i: usize, problem: &ResolveRequest| {
-        let answer = one(problem, app);
+        let answer = one(problem, app, abandoned);
         let _ = answer.as_ref().inspect_err(|error| app.metrics.count_problem(error.kind()));
         step::batch_item(i, answer)
     };

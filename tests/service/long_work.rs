@@ -146,3 +146,31 @@ fn work_that_misses_its_deadline_is_refused() {
     assert_eq!(answer.header("retry-after"), Some("1"));
     service.call("/v1/step", &example("step.json"));
 }
+
+/// Clarabel needs minutes for tens of levels with hundreds of rows that cannot be kept.
+#[test]
+fn abandoned_work_of_the_solver_qp_does_not_keep_others_waiting() {
+    let config = ServiceConfig { work_timeout: Duration::from_secs(3), ..ServiceConfig::default() };
+    let service = Service::with(config);
+    let entry = |seed: usize| (seed as f64 * 12.9898).sin();
+    let row = |seed: usize| (0..32).map(|j| entry(32 * seed + j * j)).collect::<Vec<_>>();
+    let task = |k: usize| {
+        let jacobian: Vec<_> = (0..8).map(|i| row(8 * k + i)).collect();
+        json!({"jacobian": jacobian, "lower": vec![0.2; 8], "upper": vec![0.3; 8]})
+    };
+    let problem = |tasks: usize| {
+        let limits = json!({"lower": vec![-0.05; 32], "upper": vec![0.05; 32]});
+        json!({"solver": "qp", "tasks": (0..tasks).map(task).collect::<Vec<_>>(), "limits": limits}).to_string()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                let answer = service.post("/v1/resolve", &problem(64));
+                answer.assert_refused(503, None);
+                assert_eq!(answer.json()["type"], "/problems/deadline");
+            });
+        }
+    });
+    service.post("/v1/resolve", &problem(1)).accepted();
+}

@@ -83,7 +83,7 @@ impl LocalService {
 
     fn resolve_read(&self, request: &wire::ResolveRequest) -> Result<wire::ResolveAnswer, ApiError> {
         let start = Instant::now();
-        resolve(&convert::resolve_problem(request, &self.robots)?, start)
+        resolve(&convert::resolve_problem(request, &self.robots)?, start, || false)
     }
 
     fn resolve_batch(&self, request: &wire::BatchRequest) -> Result<wire::BatchAnswer, ApiError> {

@@ -15,6 +15,14 @@ pub fn solver(name: Solver) -> Box<dyn Solve> {
     }
 }
 
+/// Returns a new solver that gives up once `is_abandoned`, if its problems can take long.
+pub fn solver_until(name: Solver, is_abandoned: impl Fn() -> bool + Send + 'static) -> Box<dyn Solve> {
+    match name {
+        Solver::Qp => Box::new(Qp::until(is_abandoned)),
+        Solver::Auto | Solver::ClosedForm => solver(name),
+    }
+}
+
 /// Returns the stepper of a controller, with the solver that its configuration names.
 pub fn stepper(controller: impl Into<Arc<Controller>>) -> Result<Stepper, StepError> {
     let controller = controller.into();

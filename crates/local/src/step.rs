@@ -8,7 +8,7 @@ use super::checked_stepper::CheckedStepper;
 use super::convert::{self, ResolveProblem};
 use super::error::ApiError;
 use super::robots::Robots;
-use super::solvers::solver;
+use super::solvers::solver_until;
 use super::state_rules::LastState;
 
 /// Maximum number of problems in a batch.
@@ -43,10 +43,15 @@ pub fn stateless_step(
     Ok(answer)
 }
 
-/// Resolves a problem that was read at `start`.
-pub fn resolve(problem: &ResolveProblem, start: Instant) -> Result<wire::ResolveAnswer, ApiError> {
+/// Resolves a problem that was read at `start`. Work that can take long ends early once it `is_abandoned`, and its answer has failed.
+pub fn resolve(
+    problem: &ResolveProblem,
+    start: Instant,
+    is_abandoned: impl Fn() -> bool + Send + 'static,
+) -> Result<wire::ResolveAnswer, ApiError> {
     let mut resolution = Resolution::default();
-    solver(problem.solver).solve(&problem.problem, &[], &mut resolution).map_err(convert::resolution_error)?;
+    let mut solver = solver_until(problem.solver, is_abandoned);
+    solver.solve(&problem.problem, &[], &mut resolution).map_err(convert::resolution_error)?;
     Ok(convert::resolve_answer(problem, &resolution, start))
 }
 

@@ -33,6 +33,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 #[derive(Default)]
 pub struct Cascade {
     clarabel: Clarabel,
+    stop: Option<Box<dyn Fn() -> bool + Send>>,
 }
 
 /// The way through the levels of one problem.
@@ -65,6 +66,16 @@ impl Forces {
 }
 
 impl Cascade {
+    /// Returns a cascade whose levels fail as soon as `stop` returns true.
+    pub fn until(stop: impl Fn() -> bool + Send + 'static) -> Self {
+        Self { stop: Some(Box::new(stop)), ..Self::default() }
+    }
+
+    /// Returns whether nobody waits for the answer any more.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.as_ref().is_some_and(|stop| stop())
+    }
+
     /// Solves a problem; `wants_multipliers`: with the multipliers of all levels.
     pub fn solve(&mut self, problem: &Hierarchy, wants_multipliers: bool) -> Solution {
         let mut run = LevelRun::new(problem, wants_multipliers);
@@ -138,6 +149,9 @@ impl Cascade {
         let mut best: Option<(LevelPoint, LevelReport)> = None;
         let (mut iterations, mut before) = (0, None);
         for effort in [Effort::Quick, Effort::Careful] {
+            if self.is_stopped() {
+                break;
+            }
             let posed = program.posed(effort, before.as_ref());
             match self.clarabel.solve(&program.quadratic_program(effort, &posed), effort) {
                 Ok(answer) => {

@@ -25,8 +25,13 @@ struct Demand {
     bound: f64,
 }
 
-/// Returns one contradiction for each level whose inequality rows are not all kept.
-pub fn contradictions(hierarchy: &Hierarchy, solution: &Solution, joints: usize) -> Vec<Contradiction> {
+/// Returns one contradiction for each level whose inequality rows are not all kept, as far as they are found before `is_stopped`.
+pub fn contradictions(
+    hierarchy: &Hierarchy,
+    solution: &Solution,
+    joints: usize,
+    is_stopped: &impl Fn() -> bool,
+) -> Vec<Contradiction> {
     let mut found = Vec::new();
     for (index, level) in hierarchy.levels.iter().enumerate() {
         let broken = (0..level.rows.nrows()).find(|&row| is_broken(hierarchy, solution, index, row));
@@ -35,7 +40,7 @@ pub fn contradictions(hierarchy: &Hierarchy, solution: &Solution, joints: usize)
             Some(Some(_)) => None,
             Some(None) | None => continue,
         };
-        let members = minimal(demands(hierarchy, solution, index, joints));
+        let members = minimal(demands(hierarchy, solution, index, joints), is_stopped);
         if !members.is_empty() {
             found.push(Contradiction { task, members });
         }
@@ -87,14 +92,17 @@ fn demands(hierarchy: &Hierarchy, solution: &Solution, index: usize, joints: usi
 
 /// Returns a set of demands that cannot hold together, and of which any one less can; empty if all can, or if the search takes too
 /// long.
-fn minimal(demands: Vec<Demand>) -> Vec<Bound> {
+fn minimal(demands: Vec<Demand>, is_stopped: &impl Fn() -> bool) -> Vec<Bound> {
+    if is_stopped() {
+        return Vec::new();
+    }
     let Some((mut members, total)) = proof(demands) else { return Vec::new() };
     let mut programs = 0;
     let mut place = members.len();
     while place > 0 {
         place -= 1;
         programs += 1;
-        if programs > MAX_PROGRAMS {
+        if programs > MAX_PROGRAMS || is_stopped() {
             return Vec::new();
         }
         let mut others = members.clone();

@@ -24,6 +24,14 @@ pub struct Qp {
     cascade: Cascade,
 }
 
+impl Qp {
+    /// Returns a solver that gives up as soon as `stop` returns true, before Clarabel's next call; its answer has failed then. Hundreds of
+    /// rows in tens of levels take minutes.
+    pub fn until(stop: impl Fn() -> bool + Send + 'static) -> Self {
+        Self { cascade: Cascade::until(stop) }
+    }
+}
+
 impl Solve for Qp {
     fn solve(&mut self, problem: &Problem, _guess: &[ActiveSet], answer: &mut Resolution) -> Result<(), ProblemError> {
         problem.check()?;
@@ -60,6 +68,9 @@ impl<'a> PlanRun<'a> {
     fn solve(&mut self, known: &Singularities) -> Option<(Hierarchy, Solution)> {
         let mut last = None;
         for step in Step::of(self.problem.method, self.problem.tasks.tasks().len()) {
+            if self.recorder.is_stopped() && !step.is_last() {
+                continue;
+            }
             let recorder = &mut self.recorder;
             let lambda = damp(self.problem, step, known, &mut self.aim, &mut |problem| recorder.solve(problem).x);
             self.aim.lambda = lambda;
@@ -134,7 +145,8 @@ impl<'a> PlanRun<'a> {
             report.rank_uncertain = known.rank_uncertain || self.recorder.rank_uncertain;
             write_bounds(self.problem, hierarchy, solution, answer);
             if answer.solver.status == Status::Optimal {
-                answer.contradictions = contradictions(hierarchy, solution, self.problem.tasks.joint_count());
+                let (joints, is_stopped) = (self.problem.tasks.joint_count(), || self.recorder.is_stopped());
+                answer.contradictions = contradictions(hierarchy, solution, joints, &is_stopped);
             }
         }
         answer.levels.clone_from(&self.recorder.levels);

@@ -27,6 +27,11 @@ impl<'a> Recorder<'a> {
         Self { cascade, record, levels: Vec::new(), failures: 0, is_unsure: false, rank_uncertain: false }
     }
 
+    /// Returns whether nobody waits for the answer any more.
+    pub fn is_stopped(&self) -> bool {
+        self.cascade.is_stopped()
+    }
+
     /// Solves a problem and notes how sure its solution is.
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Solution {
         let solution = self.cascade.solve(hierarchy, self.record.is_some());
