@@ -88,12 +88,15 @@ async fn receive(request: Request, app: &AppState, limit: usize) -> Result<RawBo
     Ok(RawBody { format, bytes: bytes.await.map_err(|_| ApiError::body_timeout())?? })
 }
 
-/// Collects a body up to the limit, and discards the rest.
+/// Collects a body up to the limit, and discards the rest, but refuses one at once that states a size beyond both.
 ///
 /// Permits limit the number of large bodies at a time: together they could use more memory than all connections.
 async fn collect(mut body: axum::body::Body, app: &AppState, limit: usize) -> Result<Vec<u8>, ApiError> {
-    let expected = usize::try_from(body.size_hint().lower()).unwrap_or(0).min(MAX_SMALL);
-    let (mut bytes, mut size) = (Vec::with_capacity(expected), 0);
+    let stated = usize::try_from(body.size_hint().lower()).unwrap_or(usize::MAX);
+    if stated > limit + MAX_DISCARDED {
+        return Err(ApiError::too_large(limit));
+    }
+    let (mut bytes, mut size) = (Vec::with_capacity(stated.min(MAX_SMALL)), 0);
     let (mut permit, mut refusal) = (None, None);
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let frame = frame.map_err(|_| ApiError::body_timeout())?;

@@ -2,9 +2,12 @@
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
+use std::sync::Arc;
 use std::time::Duration;
 
-use revprio::service::{AppState, Robots, RunningServer, ServiceConfig, router};
+use revprio::service::{
+    AppState, JobQueue, OperatingSystem, Platform, Robots, RunningServer, ServiceConfig, WorkKind, router,
+};
 use serde_json::Value;
 use ureq::http::{HeaderMap, Request, Response};
 use ureq::{Agent, Body};
@@ -14,6 +17,20 @@ const TIMEOUT: Duration = Duration::from_mins(1);
 
 /// How long a service of [`Service::with_long_drain`] waits for connections that do not end: longer than any test.
 pub const LONG_DRAIN: Duration = Duration::from_mins(2);
+
+/// The operating system, but long work has the priority of the tests beside it. Otherwise they would leave it no time on
+/// a busy machine.
+struct EqualPriority;
+
+impl Platform for EqualPriority {
+    fn random_bytes(&self) -> [u8; 16] {
+        OperatingSystem.random_bytes()
+    }
+
+    fn start_workers(&self, kind: WorkKind) -> JobQueue {
+        OperatingSystem.start_workers(WorkKind { low_priority: false, ..kind })
+    }
+}
 
 /// A running service and a client that keeps its connection.
 pub struct Service {
@@ -43,10 +60,9 @@ impl Service {
 
     pub fn with(config: ServiceConfig) -> Self {
         let built = Agent::config_builder().http_status_as_error(false).timeout_global(Some(TIMEOUT)).build();
-        Self {
-            server: RunningServer::start(router(AppState::with_config(Robots::built_in(), config))).unwrap(),
-            agent: built.into(),
-        }
+        let platform: Arc<dyn Platform> = Arc::new(EqualPriority);
+        let state = AppState::on_platform(Robots::built_in(), config, &platform);
+        Self { server: RunningServer::start(router(state)).unwrap(), agent: built.into() }
     }
 
     /// Sends a request with any method, headers and a body that may be empty.

@@ -172,7 +172,7 @@ fn abandoned_work_of_the_solver_qp_does_not_keep_others_waiting() {
             });
         }
     });
-    // On a busy machine, a thread of low priority needs some time for the call that it is in.
+    // On a busy machine, a thread needs some time for the call of Clarabel that it is in.
     let mut attempts = (0..20).map(|_| service.post("/v1/resolve", &problem(1)).status);
     assert!(attempts.any(|status| status == 200), "the abandoned work goes on");
 }

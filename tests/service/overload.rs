@@ -89,6 +89,20 @@ fn a_batch_counts_as_one_large_body_per_mebibyte() {
 }
 
 #[test]
+fn a_body_that_states_a_size_far_beyond_the_limit_is_refused_before_it_is_sent() {
+    let service = Service::start();
+    for size in [20_u64 << 20, 1 << 50, u64::MAX - 2] {
+        let head = format!(
+            "POST /v1/step HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: {size}\r\n\r\n"
+        );
+        let answer = service.raw(head.as_bytes());
+        assert!(answer.starts_with("HTTP/1.1 413 "), "{answer}");
+        assert!(answer.contains("/problems/too-large"), "{answer}");
+    }
+    service.assert_alive();
+}
+
+#[test]
 fn one_connection_too_many_closes_the_longest_unanswered_one() {
     let service = Service::with(ServiceConfig { max_connections: 10, ..ServiceConfig::default() });
     let mut busy = service.connect();

@@ -353,3 +353,30 @@ fn a_plane_that_no_joint_moves_its_point_towards_has_a_warning() {
     hand["inequalities"] = json!([{"name": "front", "kind": "plane", "normal": [1, 0, 0], "offset_m": 5.0}]);
     assert_eq!(idle(warnings(&service, &hand)), 0);
 }
+
+#[test]
+fn a_scaled_task_to_which_the_tasks_before_it_leave_no_axis_is_warned_of() {
+    let service = Service::start();
+    let warned = |tasks: &Value| {
+        let controller = json!({"robot": "panda", "period_s": 0.01, "tasks": tasks});
+        warnings(&service, &controller).iter().any(|text| text.contains("leave out `scale`"))
+    };
+    let pose = json!({"name": "go", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 1}, "scale": true});
+    let hold = |axes: Value, frame: &str| {
+        let law = json!({"kind": "velocity", "target_velocity": {"kind": "constant", "value": 0}});
+        json!({"name": format!("hold {}", axes.as_array().unwrap().len()), "axes": axes, "frame": frame, "law": law})
+    };
+    let all = json!(["x", "y", "z", "rx", "ry", "rz"]);
+    // Three axes of a kind are all of them, in any frame.
+    assert!(warned(&json!([hold(all.clone(), "tool"), pose])));
+    assert!(warned(&json!([hold(json!(["x", "y"]), "base"), hold(json!(["z"]), "base"), pose])));
+    for tasks in [
+        json!([pose, hold(all.clone(), "tool")]),
+        json!([hold(json!(["rx", "ry", "rz"]), "tool"), pose]),
+        json!([hold(json!(["x", "y", "rz"]), "base"), pose]),
+        json!([hold(json!(["x", "y"]), "base"), hold(json!(["z"]), "tool"), pose]),
+        json!([{"name": "slow", "axes": all, "upper": vec![0.1; 6]}, pose]),
+    ] {
+        assert!(!warned(&tasks), "{tasks}");
+    }
+}
