@@ -127,6 +127,12 @@ pub enum CliError {
     /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
+    /// A recording has no answer to compare with.
+    #[error("{path}: no state of this recording has an answer, so that nothing is compared")]
+    NothingRecorded {
+        /// The recording.
+        path: PathBuf,
+    },
     /// The replayed answers differ from the recorded ones.
     #[error("{answers} answers differ from the recording")]
     Differs {

@@ -50,6 +50,9 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     })?;
     bar.finish();
     print(&result)?;
+    if result.compared == 0 {
+        return Err(CliError::NothingRecorded { path: options.file.clone() });
+    }
     if result.differing > 0 { Err(CliError::Differs { answers: result.differing }) } else { Ok(()) }
 }
 

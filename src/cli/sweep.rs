@@ -178,6 +178,7 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     let drawn = figures::write(&options.out, label, &variations, &options.draw, &kinds, &whole.rows)?;
     let place = kinds.iter().position(|(name, _)| name == "outcome").unwrap_or(0);
     let ended = |word: &str| whole.rows.values().filter(|row| row[place] == Value::Word(word.to_owned())).count();
+    let has_none = ended("finished") + ended("diverged") == 0;
     let outcomes = ["finished", "diverged", "refused", "failed"].map(|word| (ended(word), word));
     let outcomes: Vec<String> =
         outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
@@ -188,7 +189,7 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     for figure in drawn {
         print_text(format_args!("figure: {}\n", figure.display()))?;
     }
-    Ok(())
+    if has_none { Err(CliError::Sweep("no cell was simulated".to_owned())) } else { Ok(()) }
 }
 
 /// Returns whether a file is the table or a figure of a sweep.

@@ -234,7 +234,7 @@ impl Sessions {
         let mut session = self.active(id, self.find(id)?.lock_owned().await)?;
         session.ownership.owner.allow(client)?;
         let PreparedController { request, stepper, warnings } = controller;
-        session.control.replace(stepper)?;
+        let warnings = session.control.replace(stepper, warnings)?;
         session.request = request;
         Ok(self.created(parse(id)?, session.control.controller(), warnings))
     }

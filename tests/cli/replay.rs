@@ -59,6 +59,17 @@ fn tolerances_that_are_no_numbers_or_negative_are_refused() {
 }
 
 #[test]
+fn a_recording_without_answers_does_not_pass() {
+    let scratch = recorded("replay_empty", &[]);
+    let path = scratch.path().join(format!("out/{RUN}.csv"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.lines().next().unwrap().to_owned() + "\n").unwrap();
+    let output = program(&["replay", path.to_str().unwrap()]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is compared"));
+}
+
+#[test]
 fn error_names_a_file_that_is_not_a_recording() {
     let scratch = Scratch::new("replay_refused");
     let output = program(&["replay", &scratch.write("run.mcap", "nothing")]).output().unwrap();

@@ -114,6 +114,16 @@ fn failed_cells_are_rows_of_the_table() {
 }
 
 #[test]
+fn a_sweep_without_a_simulated_cell_fails() {
+    let (scratch, file) = scenario("sweep_all_wrong");
+    let vary = ["--vary", "environment.stiffness=-1,-2"];
+    let output = program(&[&["sweep", &file, "--out", &scratch.argument("out")][..], &vary].concat()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 cells: 2 refused"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("no cell was simulated"));
+}
+
+#[test]
 fn errors_are_found_before_the_first_run() {
     let (scratch, file) = scenario("sweep_refused");
     let out = scratch.argument("out");

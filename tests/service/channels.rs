@@ -119,8 +119,11 @@ fn a_target_outside_the_range_of_a_channel_has_a_warning() {
     assert_eq!(warnings(action(1.0)).matches(outside).count(), 1, "one for all actions");
     assert!(warnings(json!({"channels": {"gripper": {"target": 1}}})).contains(outside));
     assert!(warnings(json!({"channels": {"grip force": {"target": -5}}})).contains("the target -5 is outside"));
+    let measured = |gripper: f64| warnings(json!({"channels": {"gripper": {"measured": gripper}}}));
+    assert!(measured(40.0).contains("channel `gripper`: the measured number 40 is outside its range 0 … 0.08"));
     for inside in [0.0, 0.08, 0.0805] {
         assert!(!warnings(action(inside)).contains("gripper"), "{inside}");
+        assert!(!measured(inside).contains("gripper"), "{inside}");
     }
 }
 

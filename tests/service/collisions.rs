@@ -87,6 +87,26 @@ fn a_single_task_is_told_what_is_in_its_way_in_every_period() {
 }
 
 #[test]
+fn an_obstacle_that_comes_too_near_is_a_reason() {
+    let service = Service::start();
+    let ball = json!({"name": "ball", "sphere": {"radius": 0.08}, "moves": true});
+    let mut controller = controller(json!({"min_distance_m": 0.02, "obstacles": [ball]}));
+    controller["why"] = json!(true);
+    controller["tasks"] = json!([{"name": "hold", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2}}]);
+    let why = |x: f64, velocity: f64| {
+        let mut state = state(1, &HOME);
+        state["obstacles"] = json!([{"name": "ball", "position": [x, 0.0, 0.5], "velocity": [velocity, 0.0, 0.0]}]);
+        let answer = service.call("/v1/step", &json!({"controller": controller, "state": state}));
+        (answer["collisions"]["violated"].clone(), answer["why"].to_string())
+    };
+    let (violated, sentences) = why(0.752, -2.0);
+    assert_eq!(violated, json!(true), "{sentences}");
+    assert!(sentences.contains("comes nearer to a shape than `min_distance_m`"), "{sentences}");
+    let (violated, sentences) = why(3.0, 0.0);
+    assert!(violated == json!(false) && !sentences.contains("min_distance_m"), "{sentences}");
+}
+
+#[test]
 fn stateless_steps_give_the_commands_of_a_session() {
     let service = Service::start();
     let controller = controller(json!({"obstacles": [post()]}));

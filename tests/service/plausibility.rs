@@ -290,3 +290,28 @@ fn joints_that_a_brake_holds_are_named_with_and_without_a_session() {
         session.service.post("/v1/step", &request.to_string()).assert_refused(422, Some(pointer));
     }
 }
+
+/// A loop that believed such a speed would make an arm at rest start at full speed.
+#[test]
+fn a_first_speed_that_no_joint_can_have_is_not_believed() {
+    let moving = |sequence: u64, speed: f64| {
+        let mut state = state(sequence, 0.01 * sequence as f64, 0.0);
+        state["joint_velocity"] = json!(vec![speed; 7]);
+        state
+    };
+    let speed = |answer: &Value| numbers(&answer["joint_velocity"]).iter().fold(0.0_f64, |speed, v| speed.max(v.abs()));
+    let resting = speed(&Session::open(|_| ()).send(&moving(1, 0.0)).accepted());
+    // The limits of the arm are 1.74 to 4.545 rad/s.
+    for implausible in [7.0, -57.0, 1e9] {
+        let session = Session::open(|_| ());
+        let answer = session.send(&moving(1, implausible)).accepted();
+        assert!(warnings(&answer).contains("it is not believed, and the command starts from rest"), "{answer}");
+        assert_eq!(speed(&answer), resting, "{implausible}");
+        let next = session.send(&moving(2, implausible)).accepted();
+        assert!(warnings(&next).contains("check the sensor and its unit"), "{next}");
+        assert!(speed(&next) < 3.0 * resting + 0.2, "{next}");
+    }
+    // An arm that moves is taken over as it moves.
+    let answer = Session::open(|_| ()).send(&moving(1, 0.5)).accepted();
+    assert!(!warnings(&answer).contains("believed") && speed(&answer) > 0.3, "{answer}");
+}

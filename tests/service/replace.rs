@@ -130,3 +130,29 @@ fn only_the_owner_replaces_a_controller() {
     replace(&service, &session, &running, &[]).assert_refused(403, None);
     replace(&service, &session, &running, &[owner]).accepted();
 }
+
+#[test]
+fn a_profile_that_is_over_when_its_controller_comes_is_warned_of() {
+    let service = Service::start();
+    let hold = json!([along("x", 0.0)]);
+    let moving = |end_s: f64| {
+        let points = json!([{"time_s": 0, "value": [0]}, {"time_s": end_s, "value": [0.1]}]);
+        let law = json!({"kind": "velocity", "target_velocity": {"kind": "waypoints", "points": points}});
+        json!([{"name": "x", "axes": ["x"], "law": law}])
+    };
+    for start_s in [0.0, 1.7e9] {
+        let session = service.open(&controller("position_velocity_acceleration", &hold));
+        for sequence in 1..40_u32 {
+            let time_s = start_s + PERIOD_S * f64::from(sequence);
+            let state = json!({"sequence": sequence, "time_s": time_s, "joint_position": [0.3, 0.5, -0.4]});
+            service.call(&format!("{session}/step"), &state);
+        }
+        let warned = |end_s: f64| {
+            let controller = controller("position_velocity_acceleration", &moving(end_s));
+            let answer = replace(&service, &session, &controller, &[]).accepted();
+            answer["warnings"].to_string().contains("its profile ended at")
+        };
+        assert!(warned(0.1), "{start_s}");
+        assert!(!warned(0.5), "{start_s}");
+    }
+}

@@ -355,6 +355,19 @@ fn a_plane_that_no_joint_moves_its_point_towards_has_a_warning() {
 }
 
 #[test]
+fn an_answer_that_is_not_valid_for_a_period_has_advice_that_is_accepted() {
+    let service = Service::start();
+    let mut controller = example("controller.json");
+    controller["period_s"] = json!(6.0);
+    controller["valid_for_ms"] = json!(100);
+    let advice =
+        warnings(&service, &controller).iter().any(|text| text.ends_with("set `valid_for_ms` to 10000 or more"));
+    assert!(advice);
+    controller["valid_for_ms"] = json!(10_000);
+    assert!(!warnings(&service, &controller).iter().any(|text| text.contains("valid_for_ms")));
+}
+
+#[test]
 fn a_scaled_task_to_which_the_tasks_before_it_leave_no_axis_is_warned_of() {
     let service = Service::start();
     let warned = |tasks: &Value| {

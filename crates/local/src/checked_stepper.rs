@@ -79,7 +79,11 @@ impl CheckedStepper {
     ) -> Result<(&Command, Remarks), ApiError> {
         let controller = self.stepper.controller().clone();
         let config = controller.config();
-        let mut warnings = if memory.is_none() { self.first_warnings(measurement.time_s) } else { Vec::new() };
+        let is_first = memory.is_none();
+        let mut warnings = if is_first { self.first_warnings(measurement.time_s) } else { Vec::new() };
+        let is_too_fast = StateRules::is_too_fast(&mut warnings, measurement, &config.robot, is_first);
+        let slow = (is_first && is_too_fast).then(|| Measurement { joint_velocity: None, ..measurement.clone() });
+        let measurement = slow.as_ref().unwrap_or(measurement);
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);
@@ -175,21 +179,26 @@ impl ControlLoop {
         self.stepper.controller()
     }
 
-    /// Continues with another controller, whose first commands move to its motion at the acceleration limits. On an error
-    /// nothing changes.
-    pub fn replace(&mut self, stepper: CheckedStepper) -> Result<(), ApiError> {
+    /// Continues with another controller, whose first commands move to its motion at the acceleration limits; returns its
+    /// warnings and those about the change. On an error nothing changes.
+    pub fn replace(&mut self, stepper: CheckedStepper, mut warnings: Vec<String>) -> Result<Vec<String>, ApiError> {
         let (old, new) = (self.controller(), stepper.controller());
         let continued = match (&self.memory, &self.last_state) {
             (Some(memory), Some(last)) => new.continue_from(old, memory, &last.joint_position).map(Some),
             _ => new.check_transition(old).map(|()| None),
         };
         let continued = continued.map_err(|error| convert::transition_error(&error))?;
+        if let (Some(memory), Some(last)) = (&self.memory, &self.last_state) {
+            // Without Unix time, profiles count from zero.
+            let profile_time_s = last.time_s - memory.start_time_s;
+            warnings::warn_about_replaced(&mut warnings, &stepper.profile_ends, profile_time_s);
+        }
         if let Some(memory) = self.memory.as_ref().filter(|_| self.pressed.is_none() && self.presses_surely()) {
             let force = memory.contacts.iter().map(|axis| axis.force.abs()).fold(0.0, f64::max);
             self.pressed = Some(Pressed { force, wrenches: self.wrenches.clone() });
         }
         (self.memory, self.stepper) = (continued, stepper);
-        Ok(())
+        Ok(warnings)
     }
 
     /// Returns whether the law `contact` certainly presses: also one that knows nothing of its contact yet, because it has another name or

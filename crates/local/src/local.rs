@@ -76,8 +76,7 @@ impl LocalService {
     /// Replaces a controller, `PUT /v1/controllers/{id}`.
     pub fn replace(&self, controller: &mut LocalController, body: &[u8]) -> Result<(), ApiError> {
         let PreparedController { stepper, warnings, .. } = PreparedController::new(read(body)?, &self.robots)?;
-        controller.control.replace(stepper)?;
-        controller.warnings = warnings;
+        controller.warnings = controller.control.replace(stepper, warnings)?;
         Ok(())
     }
 

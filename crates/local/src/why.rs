@@ -79,6 +79,10 @@ pub struct NamedTask<'a> {
     pub released_by: Option<&'a str>,
 }
 
+/// What is said where `collisions.violated` is true.
+const TOO_NEAR: &str = "on its way to a stop the arm comes nearer to a shape than `min_distance_m`: something comes towards it, it was nearer \
+     before, or its limits permit nothing else";
+
 /// A resolution with the names and limits of its sentences.
 pub struct Explained<'a> {
     /// The resolution.
@@ -89,6 +93,8 @@ pub struct Explained<'a> {
     pub inequalities: ConstraintNames<'a>,
     /// A link and what it would come too near to.
     pub held_by: Option<&'a [Arc<str>; 2]>,
+    /// Whether the arm comes nearer to a shape than the smallest distance, although it avoids it.
+    pub comes_too_near: bool,
     /// The robot, if known.
     pub robot: Option<&'a RobotModel>,
     /// Joint position, n, if position limits apply.
@@ -128,6 +134,7 @@ pub fn why_of_step(config: &ControllerConfig, command: &Command, measurement: &M
         joints: config.robot.joints().iter().map(|joint| joint.name.as_str()).collect(),
         inequalities: ConstraintNames::of_command(config, command),
         held_by: command.collisions.as_ref().and_then(|report| report.held_by.as_ref()),
+        comes_too_near: command.collisions.as_ref().is_some_and(|report| report.is_violated),
         robot: Some(&config.robot),
         position: includes_position.then_some(measurement.joint_position.as_slice()),
         causes: command.limit_causes.clone(),
@@ -199,6 +206,7 @@ impl Explained<'_> {
         sentences.extend(
             self.held_by.map(|[link, other]| format!("`{link}` would come too near to `{other}` before the arm stops")),
         );
+        sentences.extend(self.comes_too_near.then(|| TOO_NEAR.to_owned()));
         sentences.extend(self.conflicts.iter().map(|&index| {
             let joint = self.joints[index];
             format!("the {} of joint `{joint}` contradicts its other limits and is not kept", self.conflicting(index))

@@ -61,7 +61,7 @@ pub enum ObstacleError {
     #[error("positions and sizes must be finite and at most 1000 m, speeds at most 100 m/s")]
     Number,
     /// A radius or an edge is not positive.
-    #[error("radius and edges must be positive")]
+    #[error("radius and edges must be positive, at most 1000 m")]
     Size,
     /// The normal has length zero.
     #[error("the normal must differ from zero")]

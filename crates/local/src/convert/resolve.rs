@@ -288,6 +288,7 @@ fn why(problem: &ResolveProblem, inputs: &WhyInputs, resolution: &Resolution) ->
     });
     let explained = Explained {
         held_by: None,
+        comes_too_near: false,
         resolution,
         joints: problem.joints.iter().map(String::as_str).collect(),
         inequalities: problem.constraint_names().into(),

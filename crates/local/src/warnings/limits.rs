@@ -4,6 +4,8 @@ use revprio_core::controller::{ControllerConfig, Limits};
 use revprio_core::limits::LimitKind;
 use revprio_robot::Joint;
 
+use crate::convert::MAX_VALID_FOR_MS;
+
 /// Returns the warnings.
 pub fn warnings(config: &ControllerConfig) -> impl Iterator<Item = String> {
     [missing_accelerations(config), bounds_without_rest(config), short_validity(config)].into_iter().flatten()
@@ -46,7 +48,7 @@ fn short_validity(config: &ControllerConfig) -> Option<String> {
         format!(
             "answers are valid for {valid} ms, no longer than the period of {period} ms: a watchdog brakes before the next one comes, and \
              the arm moves slowly or not at all; set `valid_for_ms` to {} or more",
-            (2.0 * period).ceil()
+            (2.0 * period).ceil().min(MAX_VALID_FOR_MS as f64)
         )
     })
 }

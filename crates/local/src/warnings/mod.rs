@@ -26,7 +26,9 @@ use super::request_warnings;
 
 pub use channels::warn as warn_about_channels;
 pub use description::warnings as of_description;
-pub use profiles::{ProfileEnd, ends as profile_ends, warn as warn_about_profiles, warn_about_clock};
+pub use profiles::{
+    ProfileEnd, ends as profile_ends, warn as warn_about_profiles, warn_about_clock, warn_about_replaced,
+};
 pub use tare::warn as warn_about_tare;
 pub use targets::warn as warn_about_targets;
 pub use weights::warn as warn_about_weights;
@@ -131,6 +133,8 @@ fn unusual_size(request: &wire::Controller, config: &ControllerConfig) -> Option
 
 fn describe(steep: &SteepGain) -> String {
     let SteepGain { task, gain, joint, ratio, brakes } = steep;
+    // As the request wrote it, also if it was computed.
+    let gain = (gain * 1e6).round() / 1e6;
     let consequence = if *brakes {
         "far from its target, the law brakes with the joints' acceleration instead of this gain"
     } else {

@@ -1,5 +1,5 @@
-//! Warnings about profiles that have ended before the loop begins, because they count on another clock than the states, or whose clock
-//! stands still.
+//! Warnings about profiles that have ended before the loop or another controller begins, because they count on another clock than
+//! the states, or whose clock stands still.
 
 use revprio_api::wire::{self, LawTarget, Profile};
 use revprio_core::controller::UNIX_TIME_S;
@@ -24,6 +24,17 @@ pub fn warn(warnings: &mut Vec<String>, ends: &[ProfileEnd], time_s: f64) {
         format!(
             "task `{task}`: its profile ended at {end_s} s, before the first state at `time_s` {time_s}, so its target is the end; let \
              the clock of the loop begin at zero, or send Unix time, with which profiles begin at the first state"
+        )
+    }));
+}
+
+/// Adds a warning for each profile of another controller that has ended when it takes over, at this time of the profiles, s.
+pub fn warn_about_replaced(warnings: &mut Vec<String>, ends: &[ProfileEnd], profile_time_s: f64) {
+    let missed = ends.iter().filter(|profile| profile.end_s < profile_time_s);
+    warnings.extend(missed.map(|ProfileEnd { task, end_s }| {
+        format!(
+            "task `{task}`: its profile ended at {end_s} s, and the clock of the session stands at {profile_time_s} s, so its target is the \
+             end at once; add the time of the session to the times of the profile"
         )
     }));
 }
