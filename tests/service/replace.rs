@@ -153,6 +153,7 @@ fn a_profile_that_is_over_when_its_controller_comes_is_warned_of() {
             answer["warnings"].to_string().contains("its profile ended at")
         };
         assert!(warned(0.1), "{start_s}");
+        assert!(!warned(0.1), "a profile that was followed, {start_s}");
         assert!(!warned(0.5), "{start_s}");
     }
 }

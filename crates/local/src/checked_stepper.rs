@@ -12,7 +12,7 @@ use super::convert;
 use super::error::ApiError;
 use super::robots::Robots;
 use super::solvers::stepper;
-use super::state_rules::{LastState, StateRules};
+use super::state_rules::{LastState, StateRules, implausible_speeds};
 use super::warnings::ProfileEnd;
 use super::{request_warnings, warnings, why};
 
@@ -81,9 +81,11 @@ impl CheckedStepper {
         let config = controller.config();
         let is_first = memory.is_none();
         let mut warnings = if is_first { self.first_warnings(measurement.time_s) } else { Vec::new() };
-        let is_too_fast = StateRules::is_too_fast(&mut warnings, measurement, &config.robot, is_first);
-        let slow = (is_first && is_too_fast).then(|| Measurement { joint_velocity: None, ..measurement.clone() });
-        let measurement = slow.as_ref().unwrap_or(measurement);
+        let implausible = implausible_speeds(measurement, &config.robot, is_first);
+        let is_at_rest = is_first && !implausible.is_empty();
+        let resting = is_at_rest.then(|| Measurement { joint_velocity: None, ..measurement.clone() });
+        let measurement = resting.as_ref().unwrap_or(measurement);
+        warnings.extend(implausible);
         let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);
@@ -191,7 +193,8 @@ impl ControlLoop {
         if let (Some(memory), Some(last)) = (&self.memory, &self.last_state) {
             // Without Unix time, profiles count from zero.
             let profile_time_s = last.time_s - memory.start_time_s;
-            warnings::warn_about_replaced(&mut warnings, &stepper.profile_ends, profile_time_s);
+            let ends = [&self.stepper.profile_ends, &stepper.profile_ends].map(Vec::as_slice);
+            warnings::warn_about_replaced(&mut warnings, ends, profile_time_s);
         }
         if let Some(memory) = self.memory.as_ref().filter(|_| self.pressed.is_none() && self.presses_surely()) {
             let force = memory.contacts.iter().map(|axis| axis.force.abs()).fold(0.0, f64::max);

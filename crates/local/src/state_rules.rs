@@ -82,19 +82,6 @@ impl StateRules {
         check_wrench(&wrench.torque, self.checks.max_torque_nm, &format!("{field}/torque"), "N·m", "max_torque_nm")
     }
 
-    /// Returns whether joints move faster than they can, and adds a warning for each one. The first command starts from the
-    /// measured speed; such a speed is not believed.
-    pub fn is_too_fast(warnings: &mut Vec<String>, state: &Measurement, robot: &RobotModel, is_first: bool) -> bool {
-        let speeds = robot.joints().iter().zip(state.joint_velocity.iter().flatten());
-        let fast: Vec<_> = speeds.filter(|(joint, v)| v.abs() > SPEED_MARGIN * joint.limits.velocity).collect();
-        let effect = if is_first { ", so that it is not believed, and the command starts from rest" } else { "" };
-        warnings.extend(fast.iter().map(|(Joint { name, limits, kind, .. }, v)| {
-            let (limit, unit) = (limits.velocity, kind.unit());
-            format!("joint `{name}` moves at {v} {unit}/s, and its speed limit is {limit} {unit}/s{effect}; check the sensor and its unit")
-        }));
-        !fast.is_empty()
-    }
-
     /// Adds warnings about a state and its command.
     pub fn warn(&self, warnings: &mut Vec<String>, state: &Measurement, controller: &Controller, command: &Command) {
         let reported =
@@ -135,6 +122,19 @@ impl StateRules {
         }
         warnings.extend(stall_warning(&command.stalled, controller));
     }
+}
+
+/// Returns a warning for each joint whose measured speed is more than it can have. The first command starts from the measured
+/// speed, but from rest if there is such a joint.
+pub fn implausible_speeds(state: &Measurement, robot: &RobotModel, is_first: bool) -> Vec<String> {
+    let speeds = robot.joints().iter().zip(state.joint_velocity.iter().flatten());
+    let fast = speeds.filter(|(joint, v)| v.abs() > SPEED_MARGIN * joint.limits.velocity);
+    let effect = if is_first { ", so that it is not believed, and the command starts from rest" } else { "" };
+    fast.map(|(Joint { name, limits, kind, .. }, v)| {
+        let (limit, unit) = (limits.velocity, kind.unit());
+        format!("joint `{name}` moves at {v} {unit}/s, and its speed limit is {limit} {unit}/s{effect}; check the sensor and its unit")
+    })
+    .collect()
 }
 
 impl LastState {

@@ -5,7 +5,7 @@ use revprio_api::wire::{self, LawTarget, Profile};
 use revprio_core::controller::UNIX_TIME_S;
 
 /// Until when the target of a task moves, s; infinite if it does for ever.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct ProfileEnd {
     task: String,
     end_s: f64,
@@ -28,9 +28,10 @@ pub fn warn(warnings: &mut Vec<String>, ends: &[ProfileEnd], time_s: f64) {
     }));
 }
 
-/// Adds a warning for each profile of another controller that has ended when it takes over, at this time of the profiles, s.
-pub fn warn_about_replaced(warnings: &mut Vec<String>, ends: &[ProfileEnd], profile_time_s: f64) {
-    let missed = ends.iter().filter(|profile| profile.end_s < profile_time_s);
+/// Adds a warning for each profile of a new controller that has ended when it replaces the old one, at this time of the
+/// profiles, s. Profiles that the old one had as well have been followed.
+pub fn warn_about_replaced(warnings: &mut Vec<String>, [old, new]: [&[ProfileEnd]; 2], profile_time_s: f64) {
+    let missed = new.iter().filter(|profile| profile.end_s < profile_time_s && !old.contains(profile));
     warnings.extend(missed.map(|ProfileEnd { task, end_s }| {
         format!(
             "task `{task}`: its profile ended at {end_s} s, and the clock of the session stands at {profile_time_s} s, so its target is the \
