@@ -77,18 +77,18 @@ test('the presets that press refuse numbers beside their fields, and say how fas
     assert.deepEqual(await page.locator('#press-part [aria-invalid="true"]').evaluateAll((all) => all.map(({ id }) => id)), [`press-${refused}`]);
     await waitForState(page, 'phase', 'none');
   }
-  await page.fill('#press-speed', '20');
-  await page.click('#press-push');
-  await waitForText(page, '#description', /It approaches at 20 mm\/s and needs about 0\.5 s to the wall\.$/);
   await page.fill('#press-speed', '');
   await page.click('#press-push');
-  await waitForText(page, '#description', /^(?!.* 20 mm)/);
+  await waitForText(page, '#description', /approaches at/);
   const [, speed, time] = /approaches at ([\d.]+) mm\/s.* about ([\d.]+) s/.exec(await page.textContent('#description'));
   assert.ok(Math.abs(speed * time - 10) < 0.6, `${speed} mm/s for ${time} s`);
   // The simulated tool is in contact when the description says.
   const touched = await page.waitForFunction(() => /“push” in contact/.test(document.getElementById('scene').ariaLabel) && Number.parseFloat(document.getElementById('clock').textContent));
   const at = await touched.jsonValue();
   assert.ok(at > 0.9 * time && at < 1.3 * time + 0.5, `in contact at ${at} s, said ${time} s`);
+  await page.fill('#press-speed', '20');
+  await page.click('#press-push');
+  await waitForText(page, '#description', /It approaches at 20 mm\/s and needs about 0\.5 s to the wall\.$/);
 }));
 
 /** Arguments of `revprio push` and `revprio wipe`, and the same as the page has them. */

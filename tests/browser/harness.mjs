@@ -18,8 +18,8 @@ const FLAGS = [
   '--disable-component-update', '--disable-sync',
 ];
 
-/** Draws WebGL without a graphics card. */
-const SOFTWARE_WEBGL = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+/** Draws WebGL without a graphics card. The watchdog would end a renderer that gets no processor for some seconds. */
+const SOFTWARE_WEBGL = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-watchdog'];
 
 /** The first one has no window to draw besides the page, which takes a fifth of a core. */
 const BROWSERS = ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium', '/usr/bin/chromium-browser'];

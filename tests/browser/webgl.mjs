@@ -31,6 +31,11 @@ async function withPage(address, body, context = {}) {
   }
 }
 
+/** Waits until the page has drawn so many pictures. */
+const drawn = (page, count) => page.evaluate(async (count) => {
+  for (let i = 0; i < count; i += 1) await new Promise(requestAnimationFrame);
+}, count);
+
 test('the renderer is chosen by the address, and the canvas is used without a graphics card', options, async () => {
   for (const [query, renderer] of [['?renderer=webgl', 'webgl'], ['?renderer=canvas', 'canvas'], ['', 'canvas']]) {
     await withPage(`${query}#scenario=playground&robot=panda`, async (page) => {
@@ -46,7 +51,7 @@ test('every built-in robot has a shape with light and shadow, without errors of 
   for (const robot of robots) {
     await page.selectOption('#robot', robot);
     await page.waitForFunction((name) => document.getElementById('description').textContent.startsWith(name), robot);
-    await page.waitForTimeout(900);
+    await drawn(page, 3);
     const shapes = await page.evaluate(async (name) => {
       const { Kinematics } = await import('/dashboard/kinematics.js');
       const { modelOf } = await import('/dashboard/any_model.js');
@@ -60,6 +65,7 @@ test('every built-in robot has a shape with light and shadow, without errors of 
   }
   const error = await page.evaluate(() => document.getElementById('solid').getContext('webgl2').getError());
   assert.equal(error, 0);
+  assert.equal(await page.getAttribute('#scene', 'data-renderer'), 'webgl');
 }));
 
 test('the shapes of arms fill their capsules and stay near them, in their own colours', options, () => withPage('?renderer=webgl#scenario=playground&robot=panda', async (page) => {
