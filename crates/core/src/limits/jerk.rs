@@ -20,6 +20,9 @@
 //!
 //! All terms grow with v, so the allowed commands are an interval. The lower limits are mirrored.
 //!
+//! Outside the range, d < 0, a command is also allowed if v ≤ 0 and s ≤ 0: the joint moves back, or stands. The speed at which the joint
+//! must return gives way to the sum and to the other end.
+//!
 //! A joint with a velocity envelope has b and τ' = τ + o/D of the module `limits` in the place of A and τ of H, the end of the margin as
 //! its limit, and max(a, −D) in the place of a: it need not have the distance of a stop harder than D.
 //!
@@ -138,7 +141,11 @@ impl JerkLimit {
     pub(super) fn largest(&self, last: f64, acceleration: f64, distance: f64) -> (f64, BoundCause) {
         let (least, reached) = self.reach(last, acceleration);
         let greatest = reached.min(self.levelling_off(last, self.velocity));
-        let allowed = |v: f64| self.stop_distance(v, (v - last) / self.period) <= distance.max(0.0);
+        let allowed = |v: f64| {
+            let a = (v - last) / self.period;
+            let may_stay_beyond = self.level(v, a) <= 0.0;
+            self.stop_distance(v, a) <= if may_stay_beyond { distance.max(0.0) } else { distance }
+        };
         if greatest <= least || allowed(greatest) {
             let cause = if greatest < self.velocity { BoundCause::Jerk } else { BoundCause::Velocity };
             return (greatest.max(least), cause);
@@ -223,11 +230,16 @@ impl JerkLimit {
         }
     }
 
+    /// Returns s of the module, the speed at which the joint would level off.
+    fn level(&self, v: f64, a: f64) -> f64 {
+        v + a * a.abs() / (2.0 * self.jerk)
+    }
+
     /// Returns H(v, a) of the module.
     fn stop_distance(&self, v: f64, a: f64) -> f64 {
         let (jerk, reaction, a) = (self.jerk, self.reaction, a.max(-self.envelope));
         let peak = v + a * a / (2.0 * jerk);
-        if v + a * a.abs() / (2.0 * jerk) > 0.0 {
+        if self.level(v, a) > 0.0 {
             let moves_on = if a > 0.0 { peak * (reaction + DRIVE_ERROR) } else { v * reaction };
             moves_on + (v + a * a / (3.0 * jerk)) * a / jerk + self.stop_from(peak)
         } else if v > 0.0 {
@@ -252,6 +264,7 @@ impl JerkLimit {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use revprio_robot::VelocityEnvelope;
 
     use super::super::LimitKind;
     use super::super::braking::NOISE_TOLERANCE;
@@ -460,6 +473,44 @@ mod tests {
                 prop_assert!((-range - 1e-9..=range + 1e-9).contains(&q), "{q}");
                 before = limit.map_or(now, |limit| limit.next_acceleration(before, last, command));
                 last = command;
+            }
+        }
+
+        /// A joint that starts at rest outside its range, or inside the margin of its envelope, keeps all limits on its way back. The
+        /// commands are adversarial but inside the box.
+        #[test]
+        fn the_way_back_keeps_the_limits(
+            beyond in 1e-4..2.0_f64,
+            side in prop::sample::select(vec![-1.0, 1.0]),
+            range in 0.1..10.0_f64,
+            [velocity, acceleration] in [1e-2..10.0_f64, 1e-1..100.0],
+            jerk in (0.0..4.0_f64).prop_map(|exponent| 10_f64.powf(exponent)),
+            envelope in prop::option::of([0.2..3.0_f64, 0.01..0.3]),
+            period in 1e-4..0.02_f64,
+            choices in prop::collection::vec(0.0..=1.0_f64, 10),
+            persistence in 1_usize..200,
+        ) {
+            let mut limits = JointLimits { lower: -range, upper: range, velocity, acceleration, jerk, ..JointLimits::NONE };
+            if let Some([factor, share]) = envelope {
+                let deceleration = factor * acceleration;
+                limits.envelope = VelocityEnvelope { deceleration, offset: (share * range * deceleration).sqrt() };
+            }
+            let Some(limit) = JerkLimit::of(&limits, period) else { return Ok(()) };
+            let end = limits.resting_range()[1];
+            let (mut q, mut last, mut before) = (side * (end + beyond), 0.0_f64, 0.0_f64);
+            for choice in choices.iter().flat_map(|choice| std::iter::repeat_n(choice, persistence)) {
+                let allowed = interval(&limits, q, last, before, period);
+                prop_assert!(!allowed.conflict && allowed.lower <= allowed.upper, "{allowed:?}");
+                let choice = (2.0 * choice - 0.5).clamp(0.0, 1.0);
+                let command = (allowed.lower + choice * (allowed.upper - allowed.lower)).min(allowed.upper);
+                let rounding = 1e-9 / period;
+                let now = (command - last) / period;
+                prop_assert!(command.abs() <= velocity + 1e-12 && now.abs() <= acceleration + rounding);
+                prop_assert!((now - before).abs() <= jerk * period + rounding, "{now} {before}");
+                prop_assert!(side * q <= end || side * command <= 1e-12, "{command} away from the range");
+                q += period * command;
+                prop_assert!(side * q >= -end - 1e-9, "{q}");
+                (before, last) = (limit.next_acceleration(before, last, command), command);
             }
         }
 

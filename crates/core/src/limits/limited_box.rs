@@ -248,12 +248,14 @@ impl Interval {
         forgiving: (f64, f64),
     ) -> Self {
         let (least, greatest) = jerk.reach(last, acceleration);
-        // A return from beyond a limit begins as fast as the jerk allows it.
-        let highest = if least <= forgiving.1.max(0.0) { self.upper.max(least) } else { self.upper };
-        let lowest = if greatest >= forgiving.0.min(0.0) { self.lower.min(greatest) } else { self.lower };
         let (upper, upper_cause) = jerk.largest(last, acceleration, to_upper);
         let (lower, lower_cause) = jerk.largest(-last, -acceleration, to_lower);
         let lower = (-lower).min(upper);
+        // A return from beyond a limit begins as fast as the jerk allows it, and levels off in time for the other limits.
+        let slowest_return = if to_upper < 0.0 { lower } else { least };
+        let highest = if slowest_return <= forgiving.1.max(0.0) { self.upper.max(slowest_return) } else { self.upper };
+        let fastest_return = if to_lower < 0.0 { upper } else { greatest };
+        let lowest = if fastest_return >= forgiving.0.min(0.0) { self.lower.min(fastest_return) } else { self.lower };
         // What remains of a bound after the other limits, or else what the other limits made of it.
         let kept = |bound: f64, cause, other| {
             let kept = bound.clamp(lowest, highest);

@@ -237,6 +237,48 @@ fn no_limit_is_exceeded_by_streamed_targets_with_drop_outs() {
     assert!(jerk > 0.99, "the targets are too slow: {jerk}");
 }
 
+/// Joints that start outside their ranges return inside all limits, behind every drive, and go no further out.
+#[test]
+fn joints_outside_their_ranges_return_inside_all_limits() {
+    let mut all = Use::default();
+    for (number, drive) in drives().enumerate() {
+        for (which, (period, noise)) in
+            PERIODS.into_iter().flat_map(|period| [(period, 0.0), (period, NOISE)]).enumerate()
+        {
+            let (robot, mut random) = (Arc::new(robot(number + which)), Random(1 + number as u64));
+            let centre = middle(&robot);
+            let sides: Vec<f64> = centre.iter().map(|_| random.signed().signum()).collect();
+            let beyond: Vec<f64> = sides.iter().map(|side| side * 10_f64.powf(1.5 * random.signed() - 1.5)).collect();
+            let limits = |i: usize| robot.joints()[i].limits;
+            let end = |i: usize| if sides[i] > 0.0 { limits(i).upper } else { limits(i).lower };
+            let start: Vec<f64> = (0..centre.len()).map(|i| end(i) + beyond[i]).collect();
+            let mut homing = TaskConfig { name: "home".to_owned(), ..task(&[Axis::X], position(centre.len(), 2.0)) };
+            homing.rows = super::arms::joint_rows(&centre);
+            let config = ControllerConfig::new(Arc::clone(&robot), period, vec![homing]);
+            let mut stepper = Stepper::new(Controller::new(ControllerConfig { drive, ..config }).unwrap()).unwrap();
+            let mut arm = LaggingArm::at_rest(&start, drive, noise, number as u64);
+            let (mut memory, mut found) = (None, Use::default());
+            let mut commands = vec![vec![0.0; centre.len()]; 2];
+            let name = format!("{} {drive:?} T {period}, noise {noise}, beyond {beyond:?}", robot.name());
+            for period_number in 0..(4.0 / period) as u32 {
+                let command = stepper.step(&mut memory, &arm.measure(f64::from(period_number) * period)).unwrap();
+                commands.insert(0, command.resolution.joint_velocity.as_slice().to_vec());
+                arm.follow(&commands[0], period);
+                found.add(&robot, &arm.q, [&commands[0], &commands[1], &commands[2]], &command.limit_conflicts, period);
+                commands.truncate(2);
+                let further = (0..centre.len()).map(|i| sides[i] * (arm.q[i] - start[i])).fold(0.0, f64::max);
+                assert!(further <= 1e-12, "{name}: {further} further out at {period_number}");
+            }
+            Use { position: 0.0, ..found }.assert_kept(&name);
+            let outside = (0..centre.len()).map(|i| sides[i] * (arm.q[i] - end(i))).fold(f64::NEG_INFINITY, f64::max);
+            assert!(outside < 0.0, "{name}: {outside} outside");
+            all.speed = all.speed.max(found.speed);
+            all.jerk = all.jerk.max(found.jerk);
+        }
+    }
+    assert!(all.speed > 0.99 && all.jerk > 0.99, "the returns are too slow: {all:?}");
+}
+
 /// Without the approach to the velocity of the task, the joints would swing for ever.
 #[test]
 fn joints_reach_a_posture_and_rest_there_for_any_gain() {
