@@ -132,13 +132,30 @@ fn a_streamed_target_in_the_wrong_unit_is_warned_about_when_it_arrives() {
     let task = json!({"name": "hand", "axes": ["x", "y", "z"], "law": {"kind": "pose", "gain": 2}});
     let path = service.open(&controller(&[task])) + "/step";
     let mut state = example("state.json");
-    let mut send = |sequence: u64, position: Value| {
+    let mut send = |sequence: u64, position: Value, velocity: f64| {
         (state["sequence"], state["time_s"]) = (json!(sequence), json!(PERIOD * sequence as f64));
-        state["targets"] = json!({"hand": {"pose": {"position": position}}});
+        state["targets"] = json!({"hand": {"pose": {"position": position}, "velocity": [0, velocity, 0]}});
         warnings(&service.call(&path, &state))
     };
-    assert_eq!(send(1, json!([0.6, 0.1, 0.4])), "");
-    assert!(send(2, json!([600, 100, 400])).contains("not in mm"));
+    assert_eq!(send(1, json!([0.6, 0.1, 0.4]), 0.2), "");
+    assert!(send(2, json!([600, 100, 400]), 0.2).contains("not in mm"));
+    let fast = send(3, json!([0.6, 0.1, 0.4]), 200.0);
+    assert!(fast.contains("task `hand`: its target moves: 200 m/s along y") && fast.contains("not in mm/s"), "{fast}");
+}
+
+#[test]
+fn streamed_velocities_in_the_wrong_unit_are_warned_about() {
+    let service = Service::start();
+    let hand = json!({"name": "hand", "axes": ["x", "rz"], "law": {"kind": "velocity", "target_velocity": {"kind": "constant", "value": 0}}});
+    let elbow = json!({"name": "elbow", "law": {"kind": "posture", "gain": 1, "joints": ["j3"], "target_position": {"kind": "constant", "value": 0.2}}});
+    let path = service.open(&controller(&[hand, elbow])) + "/step";
+    let mut state = example("state.json");
+    state["targets"] = json!({
+        "hand": {"velocity": [0.1, 90]},
+        "elbow": {"joint_position": [0.2], "velocity": [30]},
+    });
+    let found = warnings(&service.call(&path, &state));
+    assert!(found.contains("not in °/s") && found.contains("joint `j3` moves at 30 rad/s"), "{found}");
 }
 
 #[test]

@@ -4,8 +4,11 @@
 use nalgebra::Vector3;
 use revprio_api::wire::{self, Axis, LawTarget, PerAxis};
 use revprio_core::controller::{Controller, Measurement, TaskConfig};
+use revprio_core::rows::TaskRows;
 use revprio_core::streaming::StreamedValue;
 use revprio_robot::{Joint, RobotModel};
+
+use crate::convert::axis_answer;
 
 /// Distance of a target from the base above which it is reported, reaches of the arm. Targets beyond reach are common, and
 /// they are near: the next unit is a thousand times larger.
@@ -67,21 +70,24 @@ pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) ->
     warnings
 }
 
-/// Adds the warnings about the targets and the chunks of a state: for each, those about its first value that has some.
+/// Adds the warnings about the targets and the chunks of a state: for each, those about its first value that has some, and those about
+/// its stated velocity.
 pub fn of_targets(warnings: &mut Vec<String>, controller: &Controller, measurement: &Measurement) {
     let config = controller.config();
-    let mut add = |task: usize, values: &mut dyn Iterator<Item = &StreamedValue>| {
-        let task = &config.tasks[task];
+    let about = |task: &TaskConfig, values: &mut dyn Iterator<Item = &StreamedValue>| {
         let about = About { task: &task.name, robot: &config.robot };
-        let found = values.map(|value| about.streamed(task, value)).find(|found| !found.is_empty());
-        warnings.extend(found.unwrap_or_default());
+        values.map(|value| about.streamed(task, value)).find(|found| !found.is_empty()).unwrap_or_default()
     };
     for target in &measurement.targets {
+        let task = &config.tasks[target.task];
         let values = std::iter::once(&target.value).chain(target.ahead.iter().map(|later| &later.value));
-        add(target.task, &mut { values });
+        warnings.extend(about(task, &mut { values }));
+        let stated = target.velocity.as_deref().unwrap_or_default();
+        warnings.extend(About { task: &task.name, robot: &config.robot }.velocity(task, stated));
     }
     for chunk in &measurement.chunks {
-        add(chunk.task, &mut chunk.actions.iter().map(|action| &action.value));
+        let values = &mut chunk.actions.iter().map(|action| &action.value);
+        warnings.extend(about(&config.tasks[chunk.task], values));
     }
 }
 
@@ -160,9 +166,25 @@ impl About<'_> {
                 let joints = task.rows.joints().iter().map(|&joint| &self.robot.joints()[joint]);
                 joints.zip(values).filter_map(|(joint, value)| self.joint(joint, *value)).collect()
             }
-            StreamedValue::Pose { position: None, .. } | StreamedValue::Velocity(_) | StreamedValue::Force(_) => {
-                Vec::new()
+            StreamedValue::Velocity(values) => self.velocity(task, values),
+            StreamedValue::Pose { position: None, .. } | StreamedValue::Force(_) => Vec::new(),
+        }
+    }
+
+    /// Returns the warnings about a velocity along the rows of a task.
+    fn velocity(self, task: &TaskConfig, velocity: &[f64]) -> Vec<String> {
+        let name = |text| format!("task `{}`: its target moves: {text}", self.task);
+        match &task.rows {
+            TaskRows::Tool(rows) => {
+                let fast =
+                    rows.axes.axes().iter().zip(velocity).filter_map(|(axis, v)| too_fast(axis_answer(*axis), *v));
+                fast.map(name).collect()
             }
+            TaskRows::Joints(rows) => {
+                let joints = rows.joints.iter().map(|&joint| &self.robot.joints()[joint]);
+                joints.zip(velocity).filter_map(|(joint, v)| fast_joint(joint, *v)).map(name).collect()
+            }
+            TaskRows::Raw(_) | TaskRows::Gaze(_) => Vec::new(),
         }
     }
 
@@ -262,13 +284,15 @@ fn joints_outside(robot: &RobotModel, position: &wire::JointVector) -> Vec<Strin
 }
 
 fn fast_joints(robot: &RobotModel, velocity: &wire::JointVector) -> Vec<String> {
-    let fast = |(joint, v): (&Joint, f64)| {
-        let (name, limit, unit) = (&joint.name, joint.limits.velocity, joint.kind.unit());
-        let text =
-            || format!("joint `{name}` moves at {v} {unit}/s, and its speed limit is {limit} {unit}/s; check the unit");
-        (v.abs() > FAST_JOINT * limit).then(text)
-    };
-    by_joint(robot, velocity).filter_map(fast).collect()
+    by_joint(robot, velocity).filter_map(|(joint, v)| fast_joint(joint, v)).collect()
+}
+
+/// Describes a velocity that a joint cannot have.
+fn fast_joint(joint: &Joint, v: f64) -> Option<String> {
+    let (name, limit, unit) = (&joint.name, joint.limits.velocity, joint.kind.unit());
+    let text =
+        || format!("joint `{name}` moves at {v} {unit}/s, and its speed limit is {limit} {unit}/s; check the unit");
+    (v.abs() > FAST_JOINT * limit).then(text)
 }
 
 /// Returns each joint with its value.
