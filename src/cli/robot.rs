@@ -59,6 +59,14 @@ pub enum RobotArgumentError {
         /// What is wrong with it.
         message: String,
     },
+    /// The SRDF file of a robot is not valid.
+    #[error("{path}: {message}")]
+    Srdf {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
     /// The shapes of a robot cannot be made.
     #[error("{path}: {message}")]
     Shapes {
@@ -198,7 +206,10 @@ impl RobotArgument {
             joint_names: file.joint_names,
             tool_offset: file.tool_offset,
         };
-        let with_frames = frames_of_srdf(&registration).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        let with_frames = frames_of_srdf(&registration).map_err(|error| {
+            let path = self.srdf.as_ref().unwrap_or(&self.path).clone();
+            RobotArgumentError::Srdf { path, message: error.to_string().replacen("/srdf: ", "", 1) }
+        })?;
         Ok(with_frames.unwrap_or(registration))
     }
 

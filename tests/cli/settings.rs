@@ -143,6 +143,8 @@ fn every_file_of_the_robots_directory_is_a_robot() {
     assert!(refused("README.md", "").contains("robots are described in .urdf, .toml or .json"));
     refused("broken.urdf", "<robot>");
     refused("nobody.srdf", srdf);
+    std::fs::remove_file(scratch.path().join("robots/left.srdf")).unwrap();
+    refused("left.srdf", "<robot>");
     let missing = scratch.argument("missing");
     assert!(failure(&["serve", "--robots-dir", &missing]).contains("missing"));
     assert!(
