@@ -189,7 +189,7 @@ inline std::string random_word() {
 
 /// Options of a client.
 struct Options {
-    std::string token;                 ///< Content of the service's --token-file.
+    std::string token;                 ///< Content of the service's --token-file; white space around it does not count.
     Seconds timeout{10.0};             ///< Time limit of one attempt of a call.
     Seconds step_timeout{0.1};         ///< Time limit of one attempt of a control period.
     int retries = 2;                   ///< Maximum number of retries; only calls that are safe to repeat are retried.
@@ -204,7 +204,8 @@ public:
         http_.set_keep_alive(true);
         http_.set_tcp_nodelay(true);
         http_.set_default_headers({{"Accept", "application/json"}, {"Revprio-Owner", options_.owner}});
-        if (!options_.token.empty()) http_.set_bearer_token_auth(options_.token);
+        const std::string token = checked_token(options_.token);
+        if (!token.empty()) http_.set_bearer_token_auth(token);
     }
 
     /// Computes joint velocities for tasks, and the result of each task.
@@ -245,6 +246,17 @@ public:
     Seconds step_timeout() const { return options_.step_timeout; }
 
 private:
+    /// Returns the token without the line break that ends its file.
+    static std::string checked_token(const std::string& text) {
+        const auto first = text.find_first_not_of(" \t\r\n");
+        if (first == std::string::npos) return "";
+        const std::string token = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+        const auto is_sendable = [](unsigned char byte) { return byte >= ' ' && byte < 0x7f; };
+        if (!std::all_of(token.begin(), token.end(), is_sendable))
+            throw std::invalid_argument("the token has characters that cannot be sent; give the content of the file of --token-file");
+        return token;
+    }
+
     Json post(const std::string& path, const Json& body) { return call("POST", path, body); }
 
     Json send(const std::string& method, const std::string& path, const std::string& content, Seconds timeout,
@@ -294,9 +306,15 @@ private:
 struct Measurement {
     std::vector<double> joint_position;                ///< q, n, rad or m.
     std::optional<std::vector<double>> joint_velocity; ///< q̇, n, rad/s or m/s; default: the last command.
-    std::vector<double> force{0, 0, 0};                ///< N; see wrench_convention, wrench_frame of the controller.
-    std::vector<double> torque{0, 0, 0};               ///< N·m.
-    Json targets = Json::object(); ///< New targets by task name, as in teleoperation; see `State` of the interface.
+    std::optional<std::vector<double>> force;          ///< N; see wrench_convention, wrench_frame of the controller.
+    std::optional<std::vector<double>> torque;         ///< N·m; a sensor without torques leaves it out, or the force.
+    Json targets = Json::object();   ///< New targets by task name, as in teleoperation; see `State` of the interface.
+    Json obstacles = Json::array();  ///< Where the moving obstacles of the controller are.
+    Json wrenches = Json::object();  ///< The wrenches of other tips than the tool, by the name of the tip.
+    Json channels = Json::object();  ///< What arrived for channels besides the joints, by name.
+    std::optional<double> time_s;    ///< When it was measured, s, on a clock that goes on with the real time.
+                                     ///< Default of `Loop`: when `ask` was called, from the first call on. Default of
+                                     ///< `Session`: the number of the call times the period, for loops that skip none.
 };
 
 /// A controller whose memory the service keeps. The destructor ends the session.
@@ -320,12 +338,17 @@ public:
     /// the service never runs the same number twice.
     Json step(const Measurement& now) {
         const unsigned long sequence = next_++;
+        const std::vector<double> none{0, 0, 0};
         Json state = {{"sequence", sequence},
-                      {"time_s", static_cast<double>(sequence) * period_s_},
-                      {"joint_position", now.joint_position},
-                      {"wrench", {{"force", now.force}, {"torque", now.torque}}}};
+                      {"time_s", now.time_s.value_or(static_cast<double>(sequence) * period_s_)},
+                      {"joint_position", now.joint_position}};
+        if (now.force || now.torque)
+            state["wrench"] = {{"force", now.force.value_or(none)}, {"torque", now.torque.value_or(none)}};
         if (now.joint_velocity) state["joint_velocity"] = *now.joint_velocity;
         if (!now.targets.empty()) state["targets"] = now.targets;
+        if (!now.obstacles.empty()) state["obstacles"] = now.obstacles;
+        if (!now.wrenches.empty()) state["wrenches"] = now.wrenches;
+        if (!now.channels.empty()) state["channels"] = now.channels;
         return client_.call("POST", path_ + "/step", state, true, client_.step_timeout());
     }
 
@@ -554,13 +577,17 @@ public:
         caller_.join();
     }
 
-    /// Sends a state, unless the answer to an earlier state is still pending.
+    /// Sends a state, unless the answer to an earlier state is still pending. Call it when the state has just been measured.
     void ask(Measurement now) {
         std::lock_guard lock(mutex_);
-        pace_.begin(Clock::now());
+        const auto measured_at = Clock::now();
+        if (pace_.report().periods == 0) started_at_ = measured_at;
+        pace_.begin(measured_at);
         if (pending_state_) return;
+        // The number of the state does not tell the time: no state is sent while an answer is late.
+        if (!now.time_s) now.time_s = Seconds(measured_at - started_at_).count();
         pending_state_ = std::move(now);
-        measured_at_ = Clock::now();
+        measured_at_ = measured_at;
         changed_.notify_all();
     }
 
@@ -635,7 +662,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<Measurement> pending_state_;
-    Clock::time_point measured_at_{};
+    Clock::time_point started_at_{}, measured_at_{};
     std::exception_ptr failure_;
     bool is_silence_ = false;
     bool is_stopped_ = false;

@@ -56,8 +56,9 @@ void closed_loop(revprio::Client& client) {
     double peak = 0;
     for (int period = 0; period < 450; ++period) {
         const double depth = tool_x(robot, now.joint_position) - start - wall.at("offset_m").get<double>();
-        now.force[0] = std::max(wall.at("stiffness").get<double>() * depth, 0.0);
-        peak = std::max(peak, now.force[0]);
+        const double force = std::max(wall.at("stiffness").get<double>() * depth, 0.0);
+        now.force = {force, 0, 0};
+        peak = std::max(peak, force);
         now.joint_velocity = session.step(now).at("joint_velocity").get<std::vector<double>>();
         for (std::size_t joint = 0; joint < 7; ++joint)
             now.joint_position[joint] += session.period_s() * (*now.joint_velocity)[joint];
@@ -78,6 +79,7 @@ void targets(revprio::Client& client) {
     revprio::Session session(client, client.call("GET", "/v1/scenarios/stiff_wall").at("controller"));
     revprio::Measurement now;
     now.joint_position = POSTURE;
+    now.force = {0, 0, 0};
     now.targets["push x"] = Json::parse(R"({"force": [10]})");
     const Json followed = session.step(now).at("tasks").at(0);
     check(followed.at("target_state") == "following" && followed.at("target_force").at(0) == 10.0,
@@ -113,7 +115,7 @@ void token(const std::string& url) {
                                                         "the token is required");
     check(problem.status == 401, "a missing token gives 401");
     revprio::Options options;
-    options.token = std::string(32, 's');
+    options.token = std::string(32, 's') + "\n";
     options.retries = 0;
     options.step_timeout = revprio::Seconds(10);
     revprio::Client client(url, options);
@@ -121,6 +123,8 @@ void token(const std::string& url) {
     revprio::Session only(client, controller);
     const auto full = expect_throw<revprio::Problem>([&] { revprio::Session(client, controller); },
                                                      "a second session is refused");
+    options.token = std::string(32, 's') + "\nt";
+    expect_throw<std::invalid_argument>([&] { revprio::Client(url, options); }, "a token with a line break inside is refused");
     check(full.status == 503 && full.retry_after_s == 1.0 && full.is_silence, "a full service reports when to retry");
 }
 
@@ -195,6 +199,7 @@ void replaces_its_controller(revprio::Client& client) {
     revprio::Session session(client, controller);
     revprio::Measurement now;
     now.joint_position = POSTURE;
+    now.force = {0, 0, 0};
     const auto before = session.step(now).at("joint_velocity").get<std::vector<double>>();
     controller["limits"] = "velocity";
     std::reverse(controller["tasks"].begin(), controller["tasks"].end());
@@ -249,6 +254,66 @@ void presets(revprio::Client& client) {
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "rx"); }, "a wipe that turns is refused");
 }
 
+/// A law that needs a wrench refuses a state without one; obstacles, channels and the own clock reach the service.
+void states(revprio::Client& client) {
+    Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
+    controller["tasks"] = revprio::push("x", 5);
+    controller["collisions"] = Json::parse(R"({"min_distance_m": 0.01, "obstacles": [{"name": "ball", "moves": true,
+        "sphere": {"radius": 0.05}}]})");
+    controller["robot"] = "panda";
+    revprio::Session session(client, controller);
+    revprio::Measurement now;
+    now.joint_position = {0, -0.5, 0, -2, 0, 1.6, 0.8};
+    now.obstacles.push_back({{"name", "ball"}, {"position", {1.5, 0, 0.5}}});
+    const auto problem = expect_throw<revprio::Problem>([&] { session.step(now); }, "a force law needs a wrench");
+    check(problem.status == 422 && problem.detail.find("wrench") != std::string::npos, "the problem names the wrench");
+    now.force = {0, 0, 0};
+    now.time_s = 12.5;
+    check(session.step(now).at("joint_velocity").size() == 7, "an obstacle reaches the service");
+}
+
+/// `Loop` states when each state was measured: while an answer is late, no state is sent, and their number does not tell the time.
+void loop_states_the_time() {
+    httplib::Server service;
+    std::mutex mutex;
+    std::vector<double> times;
+    service.Post("/v1/controllers", [](const auto&, auto& answer) { answer.set_content(R"({"id": "a"})", "application/json"); });
+    service.Delete("/v1/controllers/a", [](const auto&, auto& answer) { answer.status = 204; });
+    service.Post("/v1/controllers/a/step", [&](const auto& request, auto& answer) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        std::lock_guard lock(mutex);
+        times.push_back(Json::parse(request.body).at("time_s"));
+        answer.set_content(R"({"joint_velocity": [0], "valid_for_ms": 1000})", "application/json");
+    });
+    const int port = service.bind_to_any_port("127.0.0.1");
+    std::thread thread([&] { service.listen_after_bind(); });
+    {
+        revprio::Options options;
+        options.step_timeout = revprio::Seconds(60);
+        revprio::Client client("http://127.0.0.1:" + std::to_string(port), options);
+        revprio::Session session(client, {{"period_s", 0.005}});
+        revprio::Watchdog dog({1.0});
+        revprio::Loop loop(session, dog);
+        revprio::Measurement now;
+        now.joint_position = {0};
+        const auto count = [&] { std::lock_guard lock(mutex); return times.size(); };
+        while (count() < 3) {
+            loop.ask(now);
+            loop.wait_until(Clock::now() + std::chrono::milliseconds(5));
+        }
+        loop.wait_until(Clock::now() + std::chrono::seconds(60));
+        now.time_s = 1000;
+        const auto sent = count();
+        loop.ask(now);
+        while (count() == sent) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    service.stop();
+    thread.join();
+    check(times.at(0) == 0, "the first state has the time 0");
+    check(times.at(1) - times.at(0) >= 0.03 && times.at(2) - times.at(1) >= 0.03, "late answers count as the time they took");
+    check(times.back() == 1000, "the program may state the time");
+}
+
 /// The session ends during the loop: the arm brakes within its limits and comes to rest.
 void loop_ends_at_rest(revprio::Client& client) {
     Json controller = client.call("GET", "/v1/scenarios/stiff_wall").at("controller");
@@ -258,6 +323,7 @@ void loop_ends_at_rest(revprio::Client& client) {
     revprio::Session session(client, controller);
     revprio::Measurement now;
     now.joint_position = POSTURE;
+    now.force = {0, 0, 0};
     std::vector<double> command(7, 0.0);
     revprio::Loop loop(session, dog);
     const auto moves = [&command] {
@@ -313,6 +379,8 @@ int main(int argc, char** argv) {
     targets(client);
     replaces_its_controller(client);
     presets(client);
+    states(client);
+    loop_states_the_time();
     loop_ends_at_rest(client);
     token(argv[2]);
     std::puts("all tests passed");

@@ -39,7 +39,8 @@ public:
         revprio::Measurement now;
         now.joint_position = q_;
         now.joint_velocity = qdot_;
-        now.force[0] = force_n = std::max(1000 * (tool_x() - start_x_ - 0.01), 0.0);
+        force_n = std::max(1000 * (tool_x() - start_x_ - 0.01), 0.0);
+        now.force = {force_n, 0, 0};
         return now;
     }
 

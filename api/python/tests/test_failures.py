@@ -41,11 +41,20 @@ def test_the_error_of_an_unreachable_service_suggests_a_cause() -> None:
     assert not Client("http://127.0.0.1:9").is_ready()
 
 
+@pytest.mark.parametrize("token", ["ü" * 32, "s" * 32 + "\nt"])
+def test_a_token_that_cannot_be_sent_is_refused_without_being_shown(token: str) -> None:
+    with pytest.raises(ValueError, match="characters that cannot be sent") as refused:
+        Client(token=token)
+    assert token[:32] not in str(refused.value)
+
+
 def test_a_service_with_a_token_refuses_clients_without_it(tmp_path: Path) -> None:
     token = tmp_path / "token"
-    token.write_text("s" * 32)
+    token.write_text("s" * 32 + "\n")
     token.chmod(0o600)
     with serve("--token-file", str(token)) as (url, _):
+        with Client(url, token=token.read_text()) as client:
+            assert client.robots()
         for wrong in (None, "t" * 32):
             with Client(url, token=wrong) as client, pytest.raises(UnauthorizedError) as refused:
                 client.robots()

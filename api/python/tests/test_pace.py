@@ -6,8 +6,10 @@ import math
 import re
 import time
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from types import SimpleNamespace
+from typing import Any, Self
 
 import numpy as np
 import pytest
@@ -164,3 +166,50 @@ def test_a_loop_that_keeps_its_period_does_not_warn(monkeypatch: pytest.MonkeyPa
         warnings.simplefilter("error", SlowLoopWarning)
         report = drive(Prompt(config), read, write, watchdog=Watchdog(np.full(7, 8.0)), duration_s=110)
     assert report == Drive(periods=110, answered=110, steps=110, skipped=0, achieved_period_s=1.0, longest_period_s=1.0)
+
+
+class AtOnce:
+    """Makes each call at once, in the thread of the caller."""
+
+    def __init__(self, *_: object) -> None:
+        """Takes the arguments of a thread pool."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Does nothing."""
+
+    def submit(self, call: Callable[..., StepAnswer], **fields: Any) -> Future[StepAnswer]:  # noqa: ANN401
+        """Returns the finished call."""
+        finished: Future[StepAnswer] = Future()
+        finished.set_result(call(**fields))
+        return finished
+
+
+def test_a_state_has_the_time_at_which_it_was_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    times = []
+
+    class Listening(Slow):
+        def step_state(self, state: State) -> StepAnswer:
+            times.append(state.time_s)
+            return ANSWER
+
+    now_s = [100.0]
+    waits = iter([0.0, 2.5, 0.0, 0.25, 0.0])
+
+    def sleep(duration_s: float) -> None:
+        now_s[0] += duration_s
+
+    def wait_for_a_packet() -> Measurement:
+        now_s[0] += next(waits)
+        measured_at_s = now_s[0] - 0.125 if now_s[0] > 104.0 else None
+        return Measurement(np.zeros(7), measured_at_s=measured_at_s)
+
+    loop = importlib.import_module("revprio.drive")
+    monkeypatch.setattr(loop, "time", SimpleNamespace(monotonic=lambda: now_s[0], sleep=sleep))
+    monkeypatch.setattr(loop, "ThreadPoolExecutor", AtOnce)
+    config = CONFIG.model_copy(update={"period_s": 1.0})
+    drive(Listening(config), wait_for_a_packet, write, watchdog=Watchdog(np.full(7, 8.0)), duration_s=6)
+    # The second read waits from 1 s to 3.5 s; the third period begins late, at once. From 4 s on, the program states the time.
+    assert times == [0.0, 3.5, 3.5, 4.125, 4.875]

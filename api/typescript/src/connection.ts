@@ -62,7 +62,8 @@ export class Connection {
     this.#retries = options.retries ?? 2;
     this.#owner = options.owner ?? randomWord();
     this.#headers = { "revprio-owner": this.#owner };
-    if (options.token !== undefined) this.#headers["authorization"] = `Bearer ${options.token}`;
+    const token = sendable(options.token ?? "");
+    if (token !== "") this.#headers["authorization"] = `Bearer ${token}`;
     this.#fetch = options.fetch ?? globalThis.fetch.bind(globalThis);
     this.#webSocket = options.webSocket ?? globalWebSocket;
   }
@@ -140,6 +141,13 @@ function mayRepeat(failure: unknown, method: Method, path: string): boolean {
   // A control command can advance a run by a number of periods, so it must not be repeated.
   const repeatable = method !== "POST" || !(CREATING_PATHS.has(path) || path.endsWith("/control"));
   return repeatable && failure instanceof NoAnswerError && !(failure instanceof LateAnswerError);
+}
+
+/** Returns a token without the line break that ends its file. */
+function sendable(text: string): string {
+  const token = text.trim();
+  if (/^[ -~]*$/.test(token)) return token;
+  throw new TypeError("the token has characters that cannot be sent; give the content of the file of `--token-file`");
 }
 
 /** Returns a random word for an owner token or an idempotency key. `crypto.randomUUID` needs a page over HTTPS. */

@@ -35,6 +35,8 @@ class Measurement:
     """The wrenches of other tips than the tool, by the name of the tip."""
     channels: Mapping[str, ChannelInput] | None = None
     """What arrived for channels besides the joints, by name."""
+    measured_at_s: float | None = None
+    """When the values were measured, s on the clock of `time.monotonic()`; default: when `read` returned."""
 
 
 def drive(
@@ -50,6 +52,9 @@ def drive(
     The service is called in a separate thread. `write` therefore receives a command in every period, however late an
     answer is; the watchdog decides which command is allowed. While no answers come, the arm slows down to rest. The
     loop continues if an answer comes before the arm is at rest.
+
+    Let `read` and `write` return at once. While one of them waits, nothing brakes the arm. If states arrive as packets,
+    receive them in a thread of your own, let `read` return the newest one, and give its `measured_at_s`.
 
     The arm is at rest when the loop ends. The loop ends
 
@@ -80,10 +85,10 @@ def drive(
 
 @dataclass(frozen=True)
 class Tick:
-    """One period: its number, its start, s since the start of the loop, and its end, s on the monotonic clock."""
+    """One period: its number, its end and the start of the loop, s on the monotonic clock."""
 
     number: int
-    time_s: float
+    loop_start_s: float
     end_s: float
 
     def remaining_s(self) -> float:
@@ -96,7 +101,7 @@ def ticks(period_s: float, duration_s: float) -> Iterator[Tick]:
     start_s = time.monotonic()
     number = 0
     while number * period_s < duration_s:
-        yield Tick(number, number * period_s, start_s + (number + 1) * period_s)
+        yield Tick(number, start_s, start_s + (number + 1) * period_s)
         number = max(number + 1, int((time.monotonic() - start_s) / period_s))
 
 
@@ -142,12 +147,16 @@ class LoopState:
             warnings.warn(warning, SlowLoopWarning, stacklevel=3)  # at the caller of `drive`
 
     def step_arguments(self, measurement: Measurement, tick: Tick) -> dict[str, Any]:
-        """Returns the arguments of `Controller.step` and stores the current time as that of the measurement."""
-        self._measured_at_s, self._period_end_s = time.monotonic(), tick.end_s
+        """Returns the arguments of `Controller.step` and stores the time of the measurement."""
+        now_s = time.monotonic()
         if not hasattr(measurement, "joint_position"):
             message = f"`read` returned {type(measurement).__name__}; return a `revprio.Measurement(joint_position=…)`"
             raise TypeError(message)
-        return {**vars(measurement), "time_s": tick.time_s}
+        arguments = dict(vars(measurement))
+        stated_s = arguments.pop("measured_at_s", None)
+        self._measured_at_s, self._period_end_s = now_s if stated_s is None else stated_s, tick.end_s
+        # The start of the period is not the time of the measurement: `read` may have waited for it.
+        return {**arguments, "time_s": self._measured_at_s - tick.loop_start_s}
 
     def update(self, call: FinishedCall) -> None:
         """Processes a finished call. Raises a refusal."""

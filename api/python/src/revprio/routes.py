@@ -123,7 +123,14 @@ class Call(Generic[A]):
 def request_headers(token: str | None, owner: str | None) -> dict[str, str]:
     """Returns the headers of all requests of a client; `owner`: owner token of its sessions, default: a random one."""
     headers = {"revprio-owner": owner or str(uuid4())}
-    return headers | {"authorization": f"Bearer {token}"} if token else headers
+    # The file of a token ends with a line break.
+    token = (token or "").strip()
+    if not token:
+        return headers
+    if not (token.isascii() and token.isprintable()):
+        message = "the token has characters that cannot be sent; give the content of the file of `--token-file`"
+        raise ValueError(message)
+    return headers | {"authorization": f"Bearer {token}"}
 
 
 RESOLVE = Route("POST", "/v1/resolve", ResolveAnswer)
