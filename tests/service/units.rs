@@ -140,7 +140,7 @@ fn a_streamed_target_in_the_wrong_unit_is_warned_about_when_it_arrives() {
     assert_eq!(send(1, json!([0.6, 0.1, 0.4]), 0.2), "");
     assert!(send(2, json!([600, 100, 400]), 0.2).contains("not in mm"));
     let fast = send(3, json!([0.6, 0.1, 0.4]), 200.0);
-    assert!(fast.contains("task `hand`: its target moves: 200 m/s along y") && fast.contains("not in mm/s"), "{fast}");
+    assert!(fast.contains("task `hand`: its target moves: 200 m/s in row 2") && fast.contains("not in mm/s"), "{fast}");
 }
 
 #[test]
@@ -196,7 +196,18 @@ fn a_problem_with_numbers_in_the_wrong_unit_is_warned_about_alone_and_in_a_batch
         json!({"robot": "sawyer_dh", "joint_position": q.iter().map(|q| q * scale).collect::<Vec<_>>(),
                "tasks": [{"axes": ["x", "rz"], "velocity": velocity}], "period_s": 0.01})
     };
+    let idle = |motion: Value| {
+        let mut problem = problem(json!([0.1, 0]), 1.0);
+        problem["null_space_velocity"] = motion;
+        problem
+    };
+    let degrees: Vec<f64> = q.iter().map(|q| q.to_degrees()).collect();
     for (problem, part) in [
+        (
+            idle(json!({"kind": "posture", "joint_position": degrees, "gain": 1})),
+            "null-space velocity: its target of joint",
+        ),
+        (idle(json!([0, 90, 0, 0, 0, 0, 0])), "null-space velocity: joint `j2` moves at 90 rad/s"),
         (problem(json!([300, 0]), 1.0), "task `task 1`: 300 m/s along x"),
         (problem(json!([0, 90]), 1.0), "not in °/s"),
         (problem(json!([0.1, 0]), 57.3), "not in degrees or mm"),
@@ -384,4 +395,5 @@ fn a_period_in_milliseconds_is_reported() {
         created(&service, &json!({"robot": "sawyer_dh", "period_s": period_s, "tasks": tasks}))
     };
     assert!(with_period(8.0).contains("`period_s` is 8 s") && !with_period(1.0).contains("`period_s` is"));
+    assert!(with_period(0.0005).contains("counts whole milliseconds") && !with_period(0.001).contains("`period_s` is"));
 }

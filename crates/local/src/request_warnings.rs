@@ -1,14 +1,13 @@
 //! Warnings about what a request states: a method that does not keep the order of its tasks, and numbers that are probably in
 //! another unit, degrees in place of radians, millimetres in place of metres.
 
+use std::fmt;
+
 use nalgebra::Vector3;
 use revprio_api::wire::{self, Axis, LawTarget, PerAxis};
 use revprio_core::controller::{Controller, Measurement, TaskConfig};
-use revprio_core::rows::TaskRows;
 use revprio_core::streaming::StreamedValue;
 use revprio_robot::{Joint, RobotModel};
-
-use crate::convert::axis_answer;
 
 /// Distance of a target from the base above which it is reported, reaches of the arm. Targets beyond reach are common, and
 /// they are near: the next unit is a thousand times larger.
@@ -43,14 +42,20 @@ pub fn of_controller(request: &wire::Controller, robot: &RobotModel) -> Vec<Stri
         let about = About { task: &task.name, robot };
         task.law.iter().flat_map(move |law| about.law(task, law)).collect::<Vec<_>>()
     });
-    let posture = match &request.null_space_velocity {
-        Some(wire::NullSpaceVelocity::Motion(wire::NullSpaceMotion::Posture { joint_position, .. })) => {
-            joints_outside(robot, joint_position)
+    order.into_iter().chain(tasks).chain(of_null_space(request.null_space_velocity.as_ref(), robot)).collect()
+}
+
+/// Returns the warnings about the motion of the joints that the tasks leave free.
+fn of_null_space(motion: Option<&wire::NullSpaceVelocity>, robot: &RobotModel) -> Vec<String> {
+    use wire::{NullSpaceMotion, NullSpaceVelocity};
+    let (part, found) = match motion {
+        Some(NullSpaceVelocity::Motion(NullSpaceMotion::Posture { joint_position, .. })) => {
+            ("its target of ", joints_outside(robot, joint_position))
         }
-        _ => Vec::new(),
+        Some(NullSpaceVelocity::Constant(velocity)) => ("", fast_joints(robot, velocity)),
+        _ => return Vec::new(),
     };
-    let posture = posture.into_iter().map(|joint| format!("null-space velocity: its target of {joint}"));
-    order.into_iter().chain(tasks).chain(posture).collect()
+    found.into_iter().map(|joint| format!("null-space velocity: {part}{joint}")).collect()
 }
 
 /// Returns the warnings about a checked problem.
@@ -60,6 +65,7 @@ pub fn of_problem(request: &wire::ResolveRequest, robot: Option<&RobotModel>) ->
         let outside = request.joint_position.as_ref().map(|position| joints_outside(robot, position));
         warnings.extend(outside.unwrap_or_default());
         warnings.extend(request.joint_velocity.iter().flat_map(|velocity| fast_joints(robot, velocity)));
+        warnings.extend(of_null_space(request.null_space_velocity.as_ref(), robot));
     }
     for (k, task) in request.tasks.iter().enumerate() {
         let name = task.name.clone().unwrap_or_else(|| format!("task {}", k + 1));
@@ -173,19 +179,13 @@ impl About<'_> {
 
     /// Returns the warnings about a velocity along the rows of a task.
     fn velocity(self, task: &TaskConfig, velocity: &[f64]) -> Vec<String> {
+        let joints = task.rows.joints();
+        let fast = |(row, &v): (usize, &f64)| match joints.get(row) {
+            Some(&joint) => fast_joint(&self.robot.joints()[joint], v),
+            None => faster_than_arms(!task.rows.is_angular(row, self.robot)?, v, format_args!("in row {}", row + 1)),
+        };
         let name = |text| format!("task `{}`: its target moves: {text}", self.task);
-        match &task.rows {
-            TaskRows::Tool(rows) => {
-                let fast =
-                    rows.axes.axes().iter().zip(velocity).filter_map(|(axis, v)| too_fast(axis_answer(*axis), *v));
-                fast.map(name).collect()
-            }
-            TaskRows::Joints(rows) => {
-                let joints = rows.joints.iter().map(|&joint| &self.robot.joints()[joint]);
-                joints.zip(velocity).filter_map(|(joint, v)| fast_joint(joint, *v)).map(name).collect()
-            }
-            TaskRows::Raw(_) | TaskRows::Gaze(_) => Vec::new(),
-        }
+        velocity.iter().enumerate().filter_map(fast).map(name).collect()
     }
 
     /// Returns the first warning about each row of a profile.
@@ -254,17 +254,17 @@ fn is_linear(axis: Axis) -> bool {
     matches!(axis, Axis::X | Axis::Y | Axis::Z)
 }
 
-/// Describes a velocity that no arm has.
+/// Describes a velocity along an axis that no arm has.
 fn too_fast(axis: Axis, velocity: f64) -> Option<String> {
-    if is_linear(axis) {
-        let fast = velocity.abs() > FAST_M_S;
-        fast.then(|| format!("{velocity} m/s along {axis} is faster than arms are; velocities are in m/s, not in mm/s"))
-    } else {
-        let fast = velocity.abs() > FAST_RAD_S;
-        fast.then(|| {
-            format!("{velocity} rad/s about {axis} is faster than arms are; velocities are in rad/s, not in °/s")
-        })
-    }
+    let is_linear = is_linear(axis);
+    faster_than_arms(is_linear, velocity, format_args!("{} {axis}", if is_linear { "along" } else { "about" }))
+}
+
+/// Describes a linear or an angular velocity that no arm has.
+fn faster_than_arms(is_linear: bool, velocity: f64, place: fmt::Arguments) -> Option<String> {
+    let (fastest, unit, other) = if is_linear { (FAST_M_S, "m/s", "mm/s") } else { (FAST_RAD_S, "rad/s", "°/s") };
+    (velocity.abs() > fastest)
+        .then(|| format!("{velocity} {unit} {place} is faster than arms are; velocities are in {unit}, not in {other}"))
 }
 
 /// Describes a position outside the range of a joint.

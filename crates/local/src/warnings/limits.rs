@@ -6,9 +6,14 @@ use revprio_robot::Joint;
 
 use crate::convert::MAX_VALID_FOR_MS;
 
+/// The shortest period that is not reported, s: an answer is valid for 1 ms at least, and sums of periods are not exact.
+const SHORTEST_S: f64 = 0.001 - 1e-9;
+
 /// Returns the warnings.
 pub fn warnings(config: &ControllerConfig) -> impl Iterator<Item = String> {
-    [missing_accelerations(config), bounds_without_rest(config), short_validity(config)].into_iter().flatten()
+    [missing_accelerations(config), bounds_without_rest(config), short_period(config), short_validity(config)]
+        .into_iter()
+        .flatten()
 }
 
 /// A drive may trip when commands change faster than it can.
@@ -37,6 +42,18 @@ fn bounds_without_rest(config: &ControllerConfig) -> Option<String> {
             "the bounds of joint `{}` are {lower} and {upper}, so that it never stands still and leaves its range; give bounds with 0 \
              between them",
             joint.name
+        )
+    })
+}
+
+/// A command in full braking is held for longer than its period.
+fn short_period(config: &ControllerConfig) -> Option<String> {
+    let Limits::Robot(kind) = &config.limits else { return None };
+    (kind.includes_position() && config.period_s < SHORTEST_S).then(|| {
+        format!(
+            "`period_s` is {} s, and `valid_for_ms` counts whole milliseconds: if states come late while a joint brakes at its limit, it \
+             leaves its range; use 0.001 s or more, or make sure that no state is late",
+            config.period_s
         )
     })
 }
