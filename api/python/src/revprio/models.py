@@ -3784,6 +3784,8 @@ class Memory(Body):
     - valid_for_ms: Validity of the last answer, ms: how long the arm may have held its command. Default: unknown,
       then the next state counts as one period later, whatever its time.
     - virtual_arm: The virtual arm of laws that look ahead; default: none, or the next state starts anew.
+    - way: How far the joints move behind the modelled drive in the period after the last state, rad or m: positions
+      tell by it whether a state is late or the clock jumped. Default: the velocity of the drive for a period.
     - wrench_sensors: What the wrench sensors remember, the tool first, then the other tips in the order of the
       robot; default: they start.
     """
@@ -3831,6 +3833,9 @@ class Memory(Body):
     state counts as one period later, whatever its time."""
     virtual_arm: VirtualArm | None = None
     """The virtual arm of laws that look ahead; default: none, or the next state starts anew."""
+    way: Vector | None = None
+    """How far the joints move behind the modelled drive in the period after the last state, rad or m: positions tell by
+    it whether a state is late or the clock jumped. Default: the velocity of the drive for a period."""
     wrench_sensors: list[WrenchSensorMemory] | None = None
     """What the wrench sensors remember, the tool first, then the other tips in the order of the robot; default: they
     start."""

@@ -87,6 +87,11 @@ pub struct Memory {
     #[schema(example = 100)]
     #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub valid_for_ms: Option<u64>,
+    /// How far the joints move behind the modelled drive in the period after the last state, rad or m: positions tell by it whether
+    /// a state is late or the clock jumped. Default: the velocity of the drive for a period.
+    #[schema(example = json!([0.001, 0.0, -0.002]))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub way: Option<Vec<f64>>,
     /// Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9 s.
     #[schema(example = 1_780_000_000.0)]
     #[serde(default, skip_serializing_if = "Option::is_none")]

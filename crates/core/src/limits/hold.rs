@@ -77,11 +77,12 @@ impl Hold {
         self.last_a_period(period);
     }
 
-    /// Lets a command be held for a period T (`period`, s) at least, rounded up to whole ms.
+    /// Lets a command be held for a period T (`period`, s) at least, rounded down to whole ms, and for 1 ms.
     ///
     /// The next period counts with the command. A client that threw it away would go on with an older one, which may be faster.
+    /// Rounded up, each state that comes late while the joint brakes fully would let it move further, and these ways would add up.
     fn last_a_period(&mut self, period: f64) {
-        self.time_s = self.time_s.max((period * 1e3 - ROUNDING_MS).ceil() * 1e-3);
+        self.time_s = self.time_s.max((period * 1e3 + ROUNDING_MS).floor().max(1.0) * 1e-3);
     }
 
     /// Updates the hold time of a command. Limits without positions do not bound it.

@@ -260,7 +260,7 @@ fn joints_outside_their_ranges_return_inside_all_limits() {
             let (mut memory, mut found) = (None, Use::default());
             let mut commands = vec![vec![0.0; centre.len()]; 2];
             let name = format!("{} {drive:?} T {period}, noise {noise}, beyond {beyond:?}", robot.name());
-            for period_number in 0..(4.0 / period) as u32 {
+            for period_number in 0..periods(4.0, period) {
                 let command = stepper.step(&mut memory, &arm.measure(f64::from(period_number) * period)).unwrap();
                 commands.insert(0, command.resolution.joint_velocity.as_slice().to_vec());
                 arm.follow(&commands[0], period);

@@ -9,7 +9,7 @@ use revprio_core::controller::{
 use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::Axis;
-use revprio_robot::{Joint, RobotModel, built_in};
+use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
     Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, missing_distance, position, sawyer,
@@ -76,8 +76,8 @@ impl Client {
     ) {
         let valid = command.hold.valid_for_ms(100) as f64 / 1e3;
         for k in 1..=periods {
-            // Commands are valid for longer than a period, except where their drive contradicts.
-            let late = if k == 1 { 0.0 } else { k as f64 * period - valid };
+            // As the watchdogs of the clients do: what the ramp has at the end of the period.
+            let late = k as f64 * period - valid;
             self.resumes |= late > 1e-9;
             let mut arrived = true;
             for (joint, (sent, answer)) in
@@ -119,6 +119,8 @@ fn controllers(robot: &Arc<RobotModel>, run: &Run, random: &mut Random) -> Vec<S
 #[derive(Debug, Clone, Copy)]
 struct Run {
     period: f64,
+    /// For how long the joints move to one target, s.
+    targets_s: f64,
     /// The drive of the arm.
     drive: Drive,
     /// The drive that the controller knows.
@@ -166,7 +168,7 @@ impl Run {
         let mut found = Findings { outside: f64::NEG_INFINITY, change: 0.0 };
         while (passed as f64) * period < 4.0 {
             let elapsed = passed as f64 * period;
-            let current = (elapsed / 0.4) as usize % steppers.len();
+            let current = (elapsed / self.targets_s) as usize % steppers.len();
             match self.clock {
                 Clock::Jumps if random.below(200) == 0 => offset = 1e3 * random.signed(),
                 Clock::Jitters => offset = 0.6 * period * random.signed(),
@@ -210,6 +212,7 @@ impl Run {
 /// An ideal arm whose states come in time, with all limits.
 const RUN: Run = Run {
     period: 0.01,
+    targets_s: 0.4,
     drive: Drive::IDEAL,
     stated: Drive::IDEAL,
     lateness: NEVER,
@@ -244,6 +247,54 @@ fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
     assert!(outside[0] < NOISE_MARGIN, "{outside:?}");
     assert!(change < 1.0 + 1e-9, "{change} A T");
     assert!(outside[1] > 0.01, "the runs do not show what late states do: {outside:?}");
+}
+
+/// `valid_for_ms` counts whole milliseconds, and periods need not be some. Also if a client manages every second state only.
+#[test]
+fn late_states_lead_no_joint_out_of_its_range_if_periods_are_no_whole_milliseconds() {
+    let (mut seed, mut outside, mut change) = (0, f64::NEG_INFINITY, 0.0_f64);
+    for period in [0.0015, 0.0025, 1.0 / 240.0, 1.0 / 120.0, 0.0125] {
+        for (percent, most) in [(100, 1), (30, 3), (10, 1)] {
+            let lateness = Lateness { percent, most, kills: true };
+            for drive in DRIVES {
+                seed += 1;
+                let found = Run { period, drive, stated: drive, lateness, ..RUN }.worst(seed);
+                outside = outside.max(found.outside);
+                change = change.max(found.change);
+            }
+        }
+    }
+    println!("periods of fractions of milliseconds: outside {outside:.1e} rad, largest change {change} A T");
+    assert!(outside < 2.0 * NOISE_MARGIN, "{outside:e}");
+    assert!(change < 2.0, "{change} A T");
+}
+
+/// Strong joints with narrow ranges turn back while states are missing. Positions then fit one period nearly as well as several.
+#[test]
+fn late_states_of_joints_that_turn_back_are_not_taken_for_a_jump_of_the_clock() {
+    let narrow = |joint: &Joint| {
+        let middle = 0.5 * (joint.limits.lower + joint.limits.upper);
+        let limits =
+            JointLimits { lower: middle - 0.1, upper: middle + 0.1, velocity: 2.0, acceleration: 50.0, ..joint.limits };
+        Joint { limits, ..joint.clone() }
+    };
+    let joint = narrow(&built_in()[1].joints()[0]);
+    let robot = Arc::new(RobotModel::new("narrow", "", vec![joint], *built_in()[1].tool()).unwrap());
+    let (mut seed, mut outside) = (0, [f64::NEG_INFINITY; 2]);
+    for (limits, outside) in
+        [LimitKind::PositionVelocityAcceleration, LimitKind::PositionVelocity].into_iter().zip(&mut outside)
+    {
+        for drive in DRIVES {
+            for _ in 0..20 {
+                seed += 1;
+                let lateness = Lateness { percent: 30, most: 4, kills: false };
+                let run = Run { period: 0.02, targets_s: 0.1, drive, stated: drive, lateness, limits, ..RUN };
+                *outside = outside.max(run.on(&robot, seed).outside);
+            }
+        }
+    }
+    println!("joints that turn back: outside {outside:?} rad");
+    assert!(outside.iter().all(|outside| *outside < 2.0 * NOISE_MARGIN), "{outside:?}");
 }
 
 /// Joints that may jump: the watchdog limits the change to the first answer after a ramp, and the answer keeps it.
@@ -416,7 +467,8 @@ fn a_damaged_last_state_is_refused() {
     let longer = answered.joint_position.push(0.0);
     for damaged in [
         AnsweredState { time_s: f64::NAN, ..answered.clone() },
-        AnsweredState { joint_position: longer, ..answered.clone() },
+        AnsweredState { joint_position: longer.clone(), ..answered.clone() },
+        AnsweredState { way: Some(longer), ..answered.clone() },
         AnsweredState { joint_position: &answered.joint_position * f64::NAN, ..answered },
     ] {
         let mut memory = Some(Memory { answered: Some(damaged), ..memory.clone() });

@@ -116,7 +116,8 @@ fn answered_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Op
         return Ok(None);
     };
     check(valid_for_ms <= MAX_VALID_FOR_MS, "/valid_for_ms", format_args!("give at most {MAX_VALID_FOR_MS} ms"))?;
-    Ok(Some(AnsweredState { time_s, joint_position: position.into(), valid_for_ms }))
+    let way = memory.way.as_ref().map(|way| joint_list(way, config.robot.joint_count(), "/way")).transpose()?;
+    Ok(Some(AnsweredState { time_s, joint_position: position.into(), way, valid_for_ms }))
 }
 
 /// Reads the last state from the memory of a stateless step; `None` if it has none.
@@ -186,6 +187,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         joint_position: Some(last.joint_position),
         start_time_s: Some(memory.start_time_s).filter(|start| *start > 0.0),
         valid_for_ms: memory.answered.as_ref().map(|answered| answered.valid_for_ms),
+        way: memory.answered.as_ref().and_then(|answered| Some(answered.way.as_ref()?.as_slice().to_vec())),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {
             position: position.vector.into(),

@@ -60,5 +60,4 @@ pub use stability::{NOT_COMPUTABLE, contact_loop, margin, margin_answer};
 pub use step::{
     MAX_SEQUENCE, check_sequence, measurement, step_answer, step_error, transition_error, valid_for_ms, watched_step,
 };
-pub use terms::axis_answer;
 pub use wrench_sensor::{MAX_FILTER_S, MAX_PAYLOAD_KG, MAX_READINGS, tared};

@@ -25,7 +25,7 @@ macro_rules! same_variants {
 
 same_variants!(motion_path: wire::MotionPath => MotionPath { Joint, Straight });
 same_variants!(fault, fault_answer: wire::ContactFault => FaultCause { Pull, StaysInRetreat, ForceLimit, Stuck });
-same_variants!(axis, axis_answer: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
+same_variants!(axis: wire::Axis => Axis { X, Y, Z, Rx, Ry, Rz });
 same_variants!(method: wire::Method => Method { Pseudoinverse, DampedLeastSquares, TaskPriority, SingularityRobust, ReversePriority, StrictReversePriority });
 same_variants!(solver: wire::Solver => Solver { ClosedForm, Qp, Auto });
 same_variants!(limit_kind: wire::LimitKind => LimitKind { None, Velocity, PositionVelocity, PositionVelocityAcceleration });

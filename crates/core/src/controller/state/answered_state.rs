@@ -9,6 +9,8 @@ pub struct AnsweredState {
     pub time_s: f64,
     /// q of the state, n, rad or m.
     pub joint_position: Vector,
+    /// How far the joints move behind the modelled drive in the period after the state, n, rad or m; `None`: unknown.
+    pub way: Option<Vector>,
     /// Time from the state on for which the command may be held, ms.
     pub valid_for_ms: u64,
 }

@@ -167,7 +167,8 @@ impl Memory {
             return Err(MemoryError::Drive);
         }
         let fits = |state: &AnsweredState| {
-            state.time_s.is_finite() && state.joint_position.len() == n && finite(&state.joint_position)
+            let mut vectors = state.way.iter().chain([&state.joint_position]);
+            state.time_s.is_finite() && vectors.all(|v| v.len() == n && finite(v))
         };
         if !self.answered.as_ref().is_none_or(fits) {
             return Err(MemoryError::AnsweredState);

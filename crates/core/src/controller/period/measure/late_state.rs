@@ -61,7 +61,10 @@ impl Memory {
         let travelled = to_rest(&self.drive) + rest_moved - to_rest(&drive);
         // Beyond what one period explains.
         let moved = Vector::from_row_slice(&measurement.joint_position) - &answered.joint_position;
-        let further = moved - &self.drive.velocity * period;
+        let further = match &answered.way {
+            Some(way) => moved - way,
+            None => moved - &self.drive.velocity * period,
+        };
         let fits_one_period = further.norm() + CLOCK_TOLERANCE;
         if fits_one_period < (further - &travelled).norm() {
             return None;

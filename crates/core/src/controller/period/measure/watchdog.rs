@@ -193,7 +193,7 @@ mod tests {
             let vector = |which: usize| Vector::from_fn(n, |i, _| speeds[(7 * which + i) % speeds.len()]);
             let drive = Drive { lag_s, delay_periods };
             let before = DriveState { velocity: vector(9), pending: (0..delay_periods).map(vector).collect() };
-            let answered = AnsweredState { time_s: 0.0, joint_position: Vector::zeros(n), valid_for_ms };
+            let answered = AnsweredState { time_s: 0.0, joint_position: Vector::zeros(n), way: None, valid_for_ms };
             let command = vector(10);
             let watchdog = Watchdog { robot, command: &command, answered: &answered, drive, period: T };
             let (expected, found) = (period_by_period(&watchdog, &before, periods), watchdog.follow(&before, periods));
@@ -213,7 +213,7 @@ mod tests {
         let command = Vector::from_element(robot.joint_count(), 0.5);
         let (drive, joint_position) = (Drive { lag_s: 0.05, delay_periods: 64 }, Vector::zeros(command.len()));
         let before = DriveState { velocity: Vector::zeros(command.len()), pending: vec![joint_position.clone(); 64] };
-        let answered = AnsweredState { time_s: 0.0, joint_position, valid_for_ms: u64::MAX };
+        let answered = AnsweredState { time_s: 0.0, joint_position, way: None, valid_for_ms: u64::MAX };
         let watchdog = Watchdog { robot, command: &command, answered: &answered, drive, period: T };
         let after = watchdog.follow(&before, 1_000_000_000);
         assert_eq!((&after.command, &after.drive.velocity), (&command, &command));

@@ -2,7 +2,7 @@
 
 use crate::controller::config::{AntiWindup, ControllerConfig};
 use crate::controller::state::{AnsweredState, Command, JerkState, Measurement, Memory};
-use crate::limits::{Hold, braking_deceleration};
+use crate::limits::braking_deceleration;
 use crate::linalg::Vector;
 use crate::resolution::{Resolution, Status};
 use crate::streaming::{ActiveStream, TargetStream};
@@ -24,8 +24,8 @@ pub(super) fn update(
     (command, requested): (&Command, Option<&Vector>),
     streams: &[ActiveStream],
 ) {
+    remember_state(memory, config, measurement, command);
     follow(memory, config, command, requested);
-    remember_state(memory, config, measurement, &command.hold);
     update_streams(&mut memory.target_streams, streams);
 }
 
@@ -73,15 +73,19 @@ fn update_jerk(memory: &mut Memory, config: &ControllerConfig, command: &Vector,
     state.advance(&config.robot, last_command, command, requested, config.period_s);
 }
 
-/// Keeps the state that the command answers, and the posture of the first one.
-fn remember_state(memory: &mut Memory, config: &ControllerConfig, measurement: &Measurement, hold: &Hold) {
+/// Keeps the state that the command answers, and the posture of the first one. The drive of the memory does not follow the command yet.
+fn remember_state(memory: &mut Memory, config: &ControllerConfig, measurement: &Measurement, command: &Command) {
     let Measurement { time_s, joint_position, .. } = measurement;
-    let empty = || AnsweredState { time_s: 0.0, joint_position: Vector::zeros(joint_position.len()), valid_for_ms: 0 };
+    let zeros = || Vector::zeros(joint_position.len());
+    let empty = || AnsweredState { time_s: 0.0, joint_position: zeros(), way: None, valid_for_ms: 0 };
     memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(joint_position));
     let answered = memory.answered.get_or_insert_with(empty);
     answered.time_s = *time_s;
     answered.joint_position.copy_from_slice(joint_position);
-    answered.valid_for_ms = hold.valid_for_ms(config.valid_for_ms);
+    for (joint, way) in answered.way.get_or_insert_with(zeros).iter_mut().enumerate() {
+        *way = memory.drive.way(config.drive, joint, &command.resolution.joint_velocity, config.period_s);
+    }
+    answered.valid_for_ms = command.hold.valid_for_ms(config.valid_for_ms);
 }
 
 /// Keeps the streams of this period.
