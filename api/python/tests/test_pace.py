@@ -211,5 +211,6 @@ def test_a_state_has_the_time_at_which_it_was_read(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(loop, "ThreadPoolExecutor", AtOnce)
     config = CONFIG.model_copy(update={"period_s": 1.0})
     drive(Listening(config), wait_for_a_packet, write, watchdog=Watchdog(np.full(7, 8.0)), duration_s=6)
-    # The second read waits from 1 s to 3.5 s; the third period begins late, at once. From 4 s on, the program states the time.
+    # The second read waits from 1 s to 3.5 s; the third period begins late, at once.
+    # From 4 s on, the program states the time.
     assert times == [0.0, 3.5, 3.5, 4.125, 4.875]
