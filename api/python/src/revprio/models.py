@@ -4808,9 +4808,10 @@ class StepAnswer(Answer):
     - solver: Solver path, status and optimality check.
     - tasks: Outcome of each task, highest priority first.
     - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
-      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period,
-      if a joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver`
-      is not `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too.
+      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period
+      (in whole ms, rounded down, and at least 1), if a joint would otherwise leave its range before it stops, if
+      the `limits` include positions and the `solver` is not `closed_form`. Obstacles, and a tool that approaches or
+      presses with the law `contact`, shorten it too.
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
@@ -4855,9 +4856,10 @@ class StepAnswer(Answer):
     """Outcome of each task, highest priority first."""
     valid_for_ms: int
     """Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
-    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period, if a joint
-    would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not
-    `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too."""
+    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period (in whole ms,
+    rounded down, and at least 1), if a joint would otherwise leave its range before it stops, if the `limits` include
+    positions and the `solver` is not `closed_form`. Obstacles, and a tool that approaches or presses with the law
+    `contact`, shorten it too."""
     violated_limits: list[ViolatedLimit]
     """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
     contain."""

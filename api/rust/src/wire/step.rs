@@ -339,9 +339,9 @@ pub struct StepAnswer {
     #[schema(example = json!({"gripper": 0.031}))]
     pub channels: BTreeMap<String, f64>,
     /// Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
-    /// `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period, if a joint would
-    /// otherwise leave its range before it stops, if the `limits` include positions and the `solver` is not `closed_form`. Obstacles, and a
-    /// tool that approaches or presses with the law `contact`, shorten it too.
+    /// `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period (in whole ms, rounded down,
+    /// and at least 1), if a joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is
+    /// not `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too.
     pub valid_for_ms: u64,
     /// Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²; `null`: stop at once. With it
     /// every joint stops inside its range after `valid_for_ms`, if the `limits` include positions and the `solver` is not
