@@ -307,7 +307,7 @@ struct Measurement {
     std::vector<double> joint_position;                ///< q, n, rad or m.
     std::optional<std::vector<double>> joint_velocity; ///< q̇, n, rad/s or m/s; default: the last command.
     std::optional<std::vector<double>> force;          ///< N; see wrench_convention, wrench_frame of the controller.
-    std::optional<std::vector<double>> torque;         ///< N·m; a sensor without torques leaves it out, or the force.
+    std::optional<std::vector<double>> torque;         ///< N·m. Zero if only the force is given; the same holds for the force.
     Json targets = Json::object();   ///< New targets by task name, as in teleoperation; see `State` of the interface.
     Json obstacles = Json::array();  ///< Where the moving obstacles of the controller are.
     Json wrenches = Json::object();  ///< The wrenches of other tips than the tool, by the name of the tip.
