@@ -11,7 +11,7 @@ mod triangle;
 pub use damping::DampingFactor;
 pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
-pub use singular_values::{SingularValues, smallest_and_product};
+pub use singular_values::{SingularValues, add_scaled, reflect_row, smallest_and_product};
 pub use svd::Svd;
 pub use triangle::{cholesky, smallest_eigenvalue, write_inverse};
 

@@ -120,7 +120,7 @@ pub fn smallest_and_product(matrix: &Matrix) -> (f64, f64) {
 }
 
 /// Reflects a row onto its first entry, which is returned, and the rows below, of `stride` entries each, alike.
-fn reflect_row(row: &mut [f64], below: &mut [f64], stride: usize) -> f64 {
+pub fn reflect_row(row: &mut [f64], below: &mut [f64], stride: usize) -> f64 {
     let length = dot(row, row).sqrt();
     let first = -length.copysign(row[0]);
     row[0] -= first;
@@ -156,7 +156,8 @@ fn reflect_column(rows: &mut [f64], stride: usize, sum: &mut Vec<f64>) -> f64 {
     first
 }
 
-fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
+/// Adds factor · other to the entries.
+pub fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
     entries.iter_mut().zip(other).for_each(|(entry, other)| *entry += factor * other);
 }
 
