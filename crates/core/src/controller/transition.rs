@@ -2,7 +2,7 @@
 //!
 //! The new controller continues from the memory of the old one. In the transition, no joint changes its velocity by more than
 //! A T in a period, where A is its acceleration limit. Limits that contain accelerations ensure this in every period. For
-//! other limits the transition adds accelerations, until no joint needs them.
+//! other limits the transition adds accelerations, until the answer without them changes no joint by more.
 //!
 //! Position limits win over the acceleration limit, as always: the answer names the joint as a limit conflict. A joint
 //! without acceleration limit may jump.

@@ -122,15 +122,20 @@ fn run(robot: &Arc<RobotModel>, limits: &Limits, faults: Faults, seed: u64) -> R
                 run.untreated.max(largest_change(robot, &last, command.resolution.joint_velocity.as_slice()));
             memory = Some(changed);
         }
-        let is_transition = period >= INTERVAL && memory.as_ref().is_some_and(|memory| memory.in_transition);
+        let before = memory.clone().filter(|memory| memory.in_transition);
+        let is_transition = before.is_some();
         let command = stepper.step(&mut memory, &measured).unwrap();
         let velocity = command.resolution.joint_velocity.as_slice().to_vec();
+        let has_conflicts = !command.limit_conflicts.is_empty();
+        if let (Some(before), Some(after)) = (before, &memory) {
+            assert_ends_as_requested(&mut stepper, &before, &measured, after);
+        }
         if faults.loses && is_transition && period % 3 == 1 {
             (elapsed, run.lost) = (elapsed + 1.0, run.lost + 1);
             arm.follow(&last, PERIOD);
             continue;
         }
-        if is_transition && command.limit_conflicts.is_empty() {
+        if is_transition && !has_conflicts {
             run.largest = run.largest.max(largest_change(robot, &last, &velocity) / elapsed);
             run.periods += 1;
         }
@@ -138,6 +143,21 @@ fn run(robot: &Arc<RobotModel>, limits: &Limits, faults: Faults, seed: u64) -> R
         (last, elapsed) = (velocity, 1.0);
     }
     run
+}
+
+/// Asserts that a period ends a transition where the controller alone, without the limits of the transition, changes no joint by more
+/// than A T, and that its command is then the answer. `after`: the memory after the period.
+fn assert_ends_as_requested(stepper: &mut Stepper, before: &Memory, measured: &Measurement, after: &Memory) {
+    let robot = Arc::clone(&stepper.controller().config().robot);
+    let mut alone = Some(Memory { in_transition: false, ..before.clone() });
+    let requested = stepper.step(&mut alone, measured).unwrap().resolution.joint_velocity.clone();
+    let change = largest_change(&robot, before.last_command.as_slice(), requested.as_slice());
+    assert_eq!(after.in_transition, change > 1.0, "{change}");
+    let difference = (&after.last_command - &requested).amax();
+    assert!(
+        after.in_transition || difference < 1e-12,
+        "the command differs by {difference} from that of the controller"
+    );
 }
 
 /// Returns the largest change of a joint's velocity in a period, relative to A T.

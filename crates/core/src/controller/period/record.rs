@@ -41,7 +41,7 @@ pub(super) fn record<'a>(
         Requests,
         &Allowed,
     ),
-    Answer { problem, command, limits, requested }: Answer<'a>,
+    Answer { problem, command, limits, requested, in_transition }: Answer<'a>,
     memory: &mut Memory,
     scratch: &mut Recording,
 ) -> &'a Command {
@@ -69,6 +69,7 @@ pub(super) fn record<'a>(
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
     contacts::update(&mut memory.contacts, (config, &memory.drive), contacts, &problem.tasks, &command.resolution);
+    memory.in_transition = in_transition;
     next_memory::update(memory, config, measurement, (command, requested), streams);
     command.request_share = share;
     command.fading_since_s = memory.rest.as_ref().and_then(|rest| rest.fading_since_s).filter(|_| share < 1.0);

@@ -14,7 +14,7 @@ use crate::arm_state::ArmState;
 use crate::collision::{CollisionGuard, Moment};
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{Command, Memory, StepError, TaskTarget};
-use crate::limits::LimitedBox;
+use crate::limits::{LimitedBox, braking_deceleration};
 use crate::linalg::{SingularValues, Vector};
 use crate::resolution::{Problem, Solve};
 
@@ -28,6 +28,8 @@ pub(super) struct Answer<'a> {
     pub limits: &'a LimitedBox,
     /// The velocity that the tasks want without limits of acceleration and jerk, n; `None`: the controller keeps no jerk limit.
     pub requested: Option<&'a Vector>,
+    /// Whether the transition from another controller goes on.
+    pub in_transition: bool,
 }
 
 /// The memory of this step.
@@ -65,33 +67,49 @@ pub(super) fn resolve<'a>(
     for (row, allowed) in problem.inequalities.iter_mut().zip(&allowed.inequalities) {
         row.copy_from(allowed);
     }
+    let alone = allowed.alone.as_ref().filter(|_| previous.in_transition);
+    let in_transition = if let Some(alone) = alone {
+        problem.limits.copy_from(&alone.velocity_box);
+        solver.solve(problem, &previous.active_set, &mut command.resolution)?;
+        !is_in_reach(config, &arm.last_command, &command.resolution.joint_velocity)
+    } else {
+        false
+    };
+    let box_of_all = alone.filter(|_| !in_transition).unwrap_or(&allowed.limits);
     let (limits, requested) = if let (Some(approach), Some(without_jerk)) = (approach, &allowed.without_jerk) {
         let (limits, requested) = approach.resolve(
-            (arm, previous, allowed),
+            (arm, previous, box_of_all),
             without_jerk,
             (&mut *problem, &mut **solver, &mut command.resolution),
             config.period_s,
         )?;
         (limits, Some(requested))
     } else {
-        problem.limits.copy_from(&allowed.limits.velocity_box);
+        problem.limits.copy_from(&box_of_all.velocity_box);
         solver.solve(problem, &previous.active_set, &mut command.resolution)?;
-        (&allowed.limits, None)
+        (box_of_all, None)
     };
     let holding = Holding { config, arm, requests };
     let Some(guard) = guard else {
         holding.update(&mut command.hold, command.resolution.joint_velocity.as_slice(), &problem.tasks);
         released::report((config, arm, requests), problem, &mut command.resolution, singular)?;
-        return Ok(Answer { problem, command, limits, requested });
+        return Ok(Answer { problem, command, limits, requested, in_transition });
     };
     let moment = Moment { arm, drive_state: &previous.drive };
     let is_clear = keep_clear(
         (&mut *guard, moment),
-        (&allowed.limits, &mut *clear),
+        (box_of_all, &mut *clear),
         (&mut *problem, &mut **solver, &mut command.resolution),
         (&previous.active_set, holding, &mut command.hold),
     )?;
     released::report((config, arm, requests), problem, &mut command.resolution, singular)?;
     command.collisions.get_or_insert_default().copy_from(guard.report());
-    Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested })
+    Ok(Answer { problem, command, limits: if is_clear { limits } else { clear }, requested, in_transition })
+}
+
+/// Returns whether no joint changes its velocity from the last command by more than A T.
+fn is_in_reach(config: &ControllerConfig, last_command: &[f64], velocity: &Vector) -> bool {
+    let changes = last_command.iter().zip(velocity).map(|(last, velocity)| (velocity - last).abs());
+    let joints = config.robot.joints().iter();
+    changes.zip(joints).all(|(change, joint)| change <= braking_deceleration(&joint.limits) * config.period_s)
 }

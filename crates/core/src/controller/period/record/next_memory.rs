@@ -2,7 +2,6 @@
 
 use crate::controller::config::{AntiWindup, ControllerConfig};
 use crate::controller::state::{AnsweredState, Command, JerkState, Measurement, Memory};
-use crate::limits::braking_deceleration;
 use crate::linalg::Vector;
 use crate::resolution::{Resolution, Status};
 use crate::streaming::{ActiveStream, TargetStream};
@@ -10,10 +9,6 @@ use crate::streaming::{ActiveStream, TargetStream};
 /// Maximum relative difference of achieved and requested velocity at which an axis counts as following: certified answers are more
 /// accurate, and damping that matters is not.
 const FOLLOWING_TOLERANCE: f64 = 1e-9;
-
-/// Relative distance from the largest change of a velocity at which the change counts as limited: far above rounding, far below what
-/// a joint notices.
-const REACH_TOLERANCE: f64 = 1e-6;
 
 /// Updates the memory after a command; `requested`: the velocity that the tasks want without limits of acceleration and jerk, n, if
 /// the controller keeps jerk limits.
@@ -55,7 +50,6 @@ fn follow(
             *velocity = if continues { requested[row] } else { achieved[row] };
         }
     }
-    memory.in_transition = memory.in_transition && is_in_transition(config, memory.last_command.as_slice(), resolution);
     update_jerk(memory, config, &resolution.joint_velocity, requested);
     memory.last_command.copy_from(&resolution.joint_velocity);
     memory.drive.advance(config.drive, &resolution.joint_velocity, config.period_s);
@@ -97,14 +91,6 @@ fn update_streams(memory: &mut Vec<TargetStream>, streams: &[ActiveStream]) {
             None => memory.push(active.stream.clone()),
         }
     }
-}
-
-/// Returns whether an answer still needs the acceleration limits of a transition; `last`: the command before it, n.
-fn is_in_transition(config: &ControllerConfig, last: &[f64], resolution: &Resolution) -> bool {
-    let velocities = last.iter().zip(resolution.joint_velocity.iter());
-    velocities.zip(config.robot.joints()).any(|((last, velocity), joint)| {
-        (velocity - last).abs() >= (1.0 - REACH_TOLERANCE) * braking_deceleration(&joint.limits) * config.period_s
-    })
 }
 
 /// Returns whether anything but damping may hold tasks back.

@@ -20,7 +20,6 @@
 
 use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
-use crate::controller::period::allow::Allowed;
 use crate::controller::state::{Memory, StepError};
 use crate::limits::{LimitedBox, Pace, VelocityBox};
 use crate::linalg::{Damping, Vector};
@@ -70,25 +69,25 @@ impl Approach {
         })
     }
 
-    /// Solves a period, whose box without limits of acceleration and jerk is `without_jerk`. Returns the box in which the answer
+    /// Solves a period within `limits`, whose box without limits of acceleration and jerk is `without_jerk`. Returns the box in which the answer
     /// lies, and the velocity that the tasks want, n. `period`: T, s.
     pub fn resolve<'a>(
         &'a mut self,
-        (arm, previous, allowed): (&ArmState, &Memory, &'a Allowed),
+        (arm, previous, limits): (&ArmState, &Memory, &'a LimitedBox),
         without_jerk: &'a LimitedBox,
         (problem, solver, resolution): (&mut Problem, &mut dyn Solve, &mut Resolution),
         period: f64,
     ) -> Result<(&'a LimitedBox, &'a Vector), StepError> {
         let Self { narrowed, requested, first } = self;
-        let mut solve = |limits: &LimitedBox, problem: &mut Problem, resolution: &mut Resolution| {
-            problem.limits.copy_from(&limits.velocity_box);
+        let mut solve = |within: &LimitedBox, problem: &mut Problem, resolution: &mut Resolution| {
+            problem.limits.copy_from(&within.velocity_box);
             solver.solve(problem, &previous.active_set, resolution)
         };
         solve(without_jerk, problem, resolution)?;
         requested.copy_from(&resolution.joint_velocity);
         let last = previous.jerk.as_ref().map_or(&previous.last_command, |jerk| &jerk.requested);
         let narrow = |narrowed: &mut LimitedBox, pace| {
-            narrowed.copy_from(&allowed.limits);
+            narrowed.copy_from(limits);
             let velocities = (requested.as_slice(), last.as_slice());
             narrowed.approach((&arm.robot, period), arm.motion(), velocities, pace);
         };
@@ -112,8 +111,8 @@ impl Approach {
         if resolution.broken_constraints().next().is_none() {
             return Ok((narrowed, requested));
         }
-        solve(&allowed.limits, problem, resolution)?;
-        Ok((&allowed.limits, requested))
+        solve(limits, problem, resolution)?;
+        Ok((limits, requested))
     }
 }
 
