@@ -98,7 +98,7 @@ pub(super) fn resolve<'a>(
     let moment = Moment { arm, drive_state: &previous.drive };
     let is_clear = keep_clear(
         (&mut *guard, moment),
-        (box_of_all, &mut *clear),
+        (&allowed.limits, &mut *clear),
         (&mut *problem, &mut **solver, &mut command.resolution),
         (&previous.active_set, holding, &mut command.hold),
     )?;
