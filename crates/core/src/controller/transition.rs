@@ -13,7 +13,7 @@ use revprio_robot::kinematics::ConfigurationError;
 use super::config::{Controller, ControllerConfig, TaskConfig};
 use super::state::{Memory, MemoryError, Progress, fits_task};
 use crate::arm_state::ArmAt;
-use crate::channel::ChannelState;
+use crate::channel::{ChannelConfig, ChannelState};
 use crate::law::{ContactAxis, ContactLaw, ContactPhase};
 use crate::resolution::Solver;
 use crate::streaming::TargetStream;
@@ -134,10 +134,13 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
     streams
 }
 
-/// Returns the channels that stay with their names, and new ones.
+/// Returns the channels that stay with their names and kinds, and new ones: newtons are no metres.
 fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
-    let known = |name: &str| memory.channels.get(old.channels.iter().position(|channel| channel.name == name)?);
-    new.channels.iter().map(|channel| known(&channel.name).cloned().unwrap_or_default()).collect()
+    let known = |new: &ChannelConfig| {
+        let is_same = |old: &ChannelConfig| old.name == new.name && old.kind == new.kind;
+        memory.channels.get(old.channels.iter().position(is_same)?)
+    };
+    new.channels.iter().map(|channel| known(channel).cloned().unwrap_or_default()).collect()
 }
 
 /// Returns the contact law of the old task with the name and the rows of a new one, and its contacts.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use revprio_core::channel::{ChannelConfig, ChannelKind, ChannelState};
 use revprio_core::controller::{
     Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, Stepper, TaskConfig, TransitionError,
 };
@@ -276,4 +277,29 @@ fn what_belongs_to_the_arm_cannot_change() {
     let damaged = Memory { last_command: memory.last_command.clone() * f64::NAN, ..memory.clone() };
     let error = old.continue_from(&old, &damaged, &q).unwrap_err();
     assert_eq!(error, TransitionError::Memory(MemoryError::LastCommand));
+}
+
+/// A number in newtons is no opening of a gripper.
+#[test]
+fn a_channel_of_another_kind_starts_anew() {
+    let config = |kind, target: f64| {
+        let channel = ChannelConfig {
+            name: "gripper".to_owned(),
+            kind,
+            lower: 0.0,
+            upper: 40.0,
+            max_rate: 1e3,
+            target: Some(constant(&[target])),
+        };
+        let tasks = vec![task(&[Axis::X], position(1, 2.0))];
+        let config = ControllerConfig::new(robot("panda"), PERIOD, tasks);
+        Controller::new(ControllerConfig { channels: vec![channel], ..config }).unwrap()
+    };
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let old = config(ChannelKind::Force, 30.0);
+    let mut memory = None;
+    Stepper::new(old.clone()).unwrap().step(&mut memory, &measurement(0, &q, &mut Random(1))).unwrap();
+    let kept = |new: &Controller| new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().channels;
+    assert_eq!(kept(&config(ChannelKind::Force, 20.0)), memory.as_ref().unwrap().channels);
+    assert_eq!(kept(&config(ChannelKind::Position, 0.02)), [ChannelState::default()]);
 }
