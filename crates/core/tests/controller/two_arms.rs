@@ -6,8 +6,8 @@ use std::time::Instant;
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::constraint::{Constraint, PlanePoint, VirtualPlane};
 use revprio_core::controller::{
-    ConfigError, Controller, ControllerConfig, Measurement, StepError, Stepper, TaskConfig, TaskConfigError, TipWrench,
-    WrenchConvention, WrenchFrame,
+    ConfigError, Controller, ControllerConfig, Measurement, NullSpaceMotion, StepError, Stepper, TaskConfig,
+    TaskConfigError, TipWrench, WrenchConvention, WrenchFrame,
 };
 use revprio_core::law::{Law, MotionPath, PositionLaw, Profile};
 use revprio_core::limits::Drive;
@@ -139,6 +139,21 @@ fn two_hands_carry_a_part_along_a_path() {
         assert!(moved > 0.12, "{path:?}: the hands moved by {moved} m");
         assert!(largest < allowed, "{path:?}: {largest}");
     }
+}
+
+/// A gain so small that the time constant of its motion exceeds every number.
+#[test]
+fn a_tiny_gain_in_the_null_space_leaves_the_virtual_arm_finite() {
+    let robot = two_pandas();
+    let null_space = Some(NullSpaceMotion::Posture { joint_position: vec![0.0; 14], gain: 1e-309 });
+    let config = ControllerConfig { null_space, ..carrying(&robot, Some(MotionPath::Joint)) };
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let (mut arm, mut memory) = (LaggingArm::at_rest(&HOME, DRIVE, 0.0, 1), None);
+    for i in 0..20 {
+        let command = stepper.step(&mut memory, &arm.measure(f64::from(i) * PERIOD)).unwrap();
+        arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+    }
+    assert!(arm.q.iter().all(|q| q.is_finite()));
 }
 
 #[test]

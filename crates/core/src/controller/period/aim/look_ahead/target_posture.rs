@@ -171,7 +171,10 @@ impl TargetPosture {
         let null_space = motion.map(|_| NullSpaceStep { motion: null_space.as_slice(), factor: &factor });
         let step = newton.step(posture, ranges, null_space.as_ref());
         for ((q, step), [lower, upper]) in posture.iter_mut().zip(step).zip(&*ranges) {
-            *q = (*q + step).clamp(*lower, *upper);
+            // Extreme gains, limits and lengths make steps that no number holds.
+            if step.is_finite() {
+                *q = (*q + step).clamp(*lower, *upper);
+            }
         }
     }
 }
