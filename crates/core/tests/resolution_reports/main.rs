@@ -77,7 +77,7 @@ proptest! {
                 prop_assert_eq!(answer.solver.status, Status::Optimal);
                 // One level of all rows has another norm and other singular values than the levels of the closed form.
                 let ratio = closed.singularity.smallest_singular_value() / norm;
-                let is_near_the_threshold = (1e-8..1e-5).contains(&ratio);
+                let is_near_the_threshold = (1e-7..1e-5).contains(&ratio);
                 let doubts = [answer.solver.rank_uncertain, closed.solver.rank_uncertain];
                 prop_assert!(doubts[0] == doubts[1] || is_near_the_threshold, "{doubts:?} {ratio:e}");
                 let speed = closed.joint_velocity.norm().max(1.0);
