@@ -69,8 +69,8 @@ impl Approach {
         })
     }
 
-    /// Solves a period within `limits`, whose box without limits of acceleration and jerk is `without_jerk`. Returns the box in which the answer
-    /// lies, and the velocity that the tasks want, n. `period`: T, s.
+    /// Solves a period within `limits`, whose box without limits of acceleration and jerk is `without_jerk`. Returns the box in
+    /// which the answer lies, and the velocity that the tasks want, n. `period`: T, s.
     pub fn resolve<'a>(
         &'a mut self,
         (arm, previous, limits): (&ArmState, &Memory, &'a LimitedBox),
