@@ -16,7 +16,7 @@ use super::report::{CollisionReport, MAX_REPORTED, PairReport};
 use super::rows::{Nominal, Rows};
 use super::stop::{Braking, Start, StopPath, longest_stop};
 use crate::arm_state::ArmState;
-use crate::limits::{Drive, DriveState, MAX_DRIVE_DELAY, full_braking, reaction_time, spare_time};
+use crate::limits::{Drive, DriveState, full_braking, reaction_time, spare_time};
 
 /// Longest time, s, for which a command that moves the arm may be held. The check of a longer hold would take long.
 const LONGEST_HOLD: f64 = 0.25;
@@ -370,9 +370,9 @@ fn start(Moment { arm, drive_state }: Moment, drive: Drive, period: f64) -> Star
     Start { position: arm.measured().configuration.joint_position(), drive_state, drive, period }
 }
 
-/// Returns the number of periods for which a path needs memory.
+/// Returns the largest number of commands of a path.
 fn longest_path(robot: &RobotModel, period: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive; more saturates")]
     let held = (LONGEST_HOLD / period).ceil() as usize;
-    held.min(MAX_STOP_PERIODS) + 2 * longest_stop(robot, period) + MAX_DRIVE_DELAY
+    held.min(MAX_STOP_PERIODS) + 2 * longest_stop(robot, period)
 }

@@ -2,7 +2,7 @@
 
 use revprio_robot::RobotModel;
 
-use crate::limits::{Drive, DriveState, braking_deceleration, full_braking, reaction_time};
+use crate::limits::{Drive, DriveState, MAX_DRIVE_DELAY, braking_deceleration, full_braking, reaction_time};
 use crate::linalg::Vector;
 
 /// Points at which the settling of a lag is sampled, as shares of the way that is left.
@@ -75,6 +75,8 @@ pub struct StopPath {
     commands: Vec<f64>,
     /// How much the command of each joint changes in a period of braking, n.
     changes: Vec<f64>,
+    /// Largest number of commands.
+    longest: usize,
     /// Number of periods.
     periods: usize,
     /// Number of periods for which commands differ from zero.
@@ -86,9 +88,9 @@ pub struct StopPath {
 }
 
 impl StopPath {
-    /// Allocates a path of n joints for at most `periods` periods.
-    pub fn new(n: usize, periods: usize, period: f64) -> Self {
-        let nodes = n * (periods + SETTLING.len() + 1);
+    /// Allocates a path of n joints for at most `longest` commands, after those that the drive still has to follow.
+    pub fn new(n: usize, longest: usize, period: f64) -> Self {
+        let nodes = n * (MAX_DRIVE_DELAY + longest + SETTLING.len() + 1);
         let memory = || Vec::with_capacity(nodes);
         let (position, velocity, travelled, commands) = (memory(), memory(), memory(), memory());
         let changes = Vec::with_capacity(n);
@@ -100,6 +102,7 @@ impl StopPath {
             travelled,
             commands,
             changes,
+            longest,
             periods: 0,
             sent: 0,
             lag: 0.0,
@@ -112,7 +115,7 @@ impl StopPath {
         self.jumps = true;
     }
 
-    /// Follows the commands of a stop until the joints are at rest. What exceeds the allocated number of periods is left
+    /// Follows the commands of a stop until the joints are at rest. Commands that exceed the allocated number are left
     /// out: only a robot that is first measured at more than twice its speed limits needs more.
     pub fn follow(&mut self, start: Start, braking: Braking) {
         self.write_commands(start.period, braking);
@@ -154,12 +157,11 @@ impl StopPath {
     /// Overwrites the commands with those of a stop, without the zeros at its end.
     fn write_commands(&mut self, period: f64, braking: Braking) {
         let Braking { command, held, acceleration, .. } = braking;
-        let capacity = self.velocity.capacity() / self.n;
+        self.sent = held.min(self.longest);
         self.commands.clear();
-        for _ in 0..held.min(capacity) {
+        for _ in 0..self.sent {
             self.commands.extend_from_slice(command);
         }
-        self.sent = held.min(capacity);
         match acceleration {
             Some(acceleration) => self.brake_with_jerk_limits(period, braking, acceleration),
             None => self.brake(period, braking),
@@ -168,11 +170,11 @@ impl StopPath {
 
     /// Adds commands that brake each joint as fast as its limits of acceleration allow, see [`full_braking`].
     fn brake(&mut self, period: f64, braking: Braking) {
-        let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
+        let n = self.n;
         self.changes.clear();
         self.changes.extend(braking.robot.joints().iter().map(|joint| braking_deceleration(&joint.limits) * period));
         let mut moves = braking.command.iter().any(|entry| *entry != 0.0);
-        while moves && self.sent < capacity {
+        while moves && self.sent < self.longest {
             moves = false;
             let end = self.sent * n;
             self.commands.resize(end + n, 0.0);
@@ -180,7 +182,8 @@ impl StopPath {
             let last = before.len().checked_sub(n).map_or(braking.command, |start| &before[start..]);
             for ((next, last), change) in next.iter_mut().zip(last).zip(&self.changes) {
                 *next = last - last.clamp(-change, *change);
-                moves |= *next != 0.0;
+                // A change that is rounded to zero brings no joint to rest.
+                moves |= *next != 0.0 && *next != *last;
             }
             self.sent += 1;
         }
@@ -189,10 +192,10 @@ impl StopPath {
     /// Adds commands that brake each joint as fast as its limits of acceleration and jerk allow; `first`: the acceleration of the
     /// command, n.
     fn brake_with_jerk_limits(&mut self, period: f64, Braking { robot, command, held, .. }: Braking, first: &[f64]) {
-        let (n, capacity) = (self.n, self.velocity.capacity() / self.n);
+        let n = self.n;
         // A joint at zero speed with an acceleration moves on, too.
         let mut moves = command.iter().chain(first).any(|entry| *entry != 0.0);
-        while moves && self.sent < capacity {
+        while moves && self.sent < self.longest {
             moves = false;
             for (joint, description) in robot.joints().iter().enumerate() {
                 let last = if self.sent == 0 { command[joint] } else { self.commands[(self.sent - 1) * n + joint] };
@@ -285,6 +288,33 @@ impl StopPath {
             let (least, most) =
                 velocities.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
             *stray = quarter * (most - least);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use revprio_robot::{JointLimits, built_in};
+
+    use super::*;
+
+    #[test]
+    fn a_joint_that_cannot_brake_needs_no_more_memory() {
+        let mut joints = built_in()[0].joints().to_vec();
+        // A change of the velocity by 1e-322/s × 0.01 s is rounded to zero.
+        joints[0].limits = JointLimits { velocity: 1e-320, acceleration: 1e-322, ..joints[0].limits };
+        let robot = RobotModel::new("arm", "", joints, *built_in()[0].tool()).unwrap();
+        let (period, n) = (0.01, robot.joint_count());
+        let mut path = StopPath::new(n, longest_stop(&robot, period), period);
+        let allocated = path.velocity.capacity();
+        let drive = Drive { lag_s: 0.0, delay_periods: 2 };
+        let drive_state = DriveState::moving(drive, &Vector::zeros(n));
+        let command = [5e-324, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for _ in 0..3 {
+            let start = Start { position: &[0.0; 7], drive_state: &drive_state, drive, period };
+            path.follow(start, Braking { robot: &robot, command: &command, held: 0, acceleration: None });
+            assert_eq!(path.velocity.capacity(), allocated);
+            assert!(path.sent < 20, "{} commands", path.sent);
         }
     }
 }
