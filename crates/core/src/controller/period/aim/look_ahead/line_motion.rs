@@ -7,7 +7,7 @@ use super::scene::Scene;
 use super::target_posture::{NEAR, Place};
 use super::{LookAhead, arrival, capability, joint, line_speed};
 use crate::controller::state::{LINE_INTERVALS, Line, TIMES_AHEAD, VirtualArm};
-use crate::linalg::dot;
+use crate::linalg::{all_finite, dot};
 
 /// Distance (m and rad together) and speed (per s) from which on a resting target has jumped.
 const JUMP: (f64, f64) = (0.005, 1.0);
@@ -113,7 +113,11 @@ impl LookAhead {
             let mut next: Vec<f64> = last.iter().zip(before).map(|(last, before)| 2.0 * last - before).collect();
             let place = place_on(&line.offset, i as f64 / LINE_INTERVALS as f64);
             let [_, last] = posture.approach(scene, place, &mut next, STEPS_TO_PLACE, None);
-            line.is_given_up |= last > NEAR;
+            line.is_given_up |= !(last <= NEAR);
+            if !all_finite(&next) {
+                line.is_given_up = true;
+                break;
+            }
             line.postures.push(next);
         }
         line_speed::update_speeds(line, can);
