@@ -119,6 +119,9 @@ fn largest_lag(request: &StabilityRequest, answer: &StabilityAnswer) -> String {
     let lag = answer.largest_lag_s.filter(|lag| *lag > ROUNDING * request.period_s);
     match lag {
         _ if answer.stable_at_any_lag => "any".to_owned(),
+        Some(lag) if !answer.stable && lag > request.lag_s => {
+            format!("{} ms, but shorter lags are unstable", plain(1e3 * lag))
+        }
         Some(lag) => format!("{} ms", plain(1e3 * lag)),
         None => "none".to_owned(),
     }

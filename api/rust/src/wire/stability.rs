@@ -103,7 +103,8 @@ pub struct StabilityAnswer {
     pub stable: bool,
     /// Spectral radius of the loop from period to period; stable below 1.
     pub spectral_radius: f64,
-    /// Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
+    /// Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`. A loop that is unstable at a
+    /// shorter lag needs a longer one.
     pub largest_lag_s: Option<f64>,
     /// Whether the loop is stable at any lag.
     pub stable_at_any_lag: bool,

@@ -64,8 +64,8 @@ fn advice(contact: &ContactLoop, axis: Axis) -> Result<String, StabilityError> {
         contact.margin()?;
     let unit = damping_unit(axis);
     let lag = match largest_lag_s {
-        Some(lag) => format!("largest admissible lag {} ms", four_digits(0.999 * 1e3 * lag)),
-        None => "no lag is short enough".to_owned(),
+        Some(lag) if lag < contact.lag_s => format!("largest admissible lag {} ms", four_digits(0.999 * 1e3 * lag)),
+        _ => "no lag is short enough".to_owned(),
     };
     let delay = match largest_delay_periods {
         _ if contact.delay_periods == 0 => String::new(),

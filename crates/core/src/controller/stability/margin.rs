@@ -9,9 +9,11 @@ use super::stability_error::StabilityError;
 pub struct Margin {
     /// Largest |eigenvalue| of the map from period to period. The loop is stable below 1.
     pub spectral_radius: f64,
-    /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if unstable at τ = 0.
+    /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if there is none. A loop that is unstable at a
+    /// shorter τ needs a longer one.
     pub largest_lag_s: Option<f64>,
-    /// Maximum d, up to [`MAX_DELAY_PERIODS`](super::MAX_DELAY_PERIODS), at which the loop is stable with its lag; `None` if unstable at d = 0.
+    /// Maximum d, up to [`MAX_DELAY_PERIODS`](super::MAX_DELAY_PERIODS), at which the loop is stable with its lag; `None` if unstable
+    /// at its own d and at d = 0.
     pub largest_delay_periods: Option<usize>,
     /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,
@@ -38,8 +40,10 @@ impl ContactLoop {
         let dampings = stable_dampings(self.max_damping(), |damping| is_stable(Self { damping, ..*self }))?;
         Ok(Margin {
             spectral_radius: self.spectral_radius()?,
-            largest_lag_s: largest_lag(self.period_s, |lag_s| is_stable(Self { lag_s, ..*self }))?,
-            largest_delay_periods: largest_delay(|delay_periods| is_stable(Self { delay_periods, ..*self }))?,
+            largest_lag_s: largest_lag(self.period_s, self.lag_s, |lag_s| is_stable(Self { lag_s, ..*self }))?,
+            largest_delay_periods: largest_delay(self.delay_periods, |delay_periods| {
+                is_stable(Self { delay_periods, ..*self })
+            })?,
             smallest_damping: dampings.map(|dampings| dampings.smallest),
             largest_damping: dampings.and_then(|dampings| dampings.largest),
         })

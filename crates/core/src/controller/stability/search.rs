@@ -26,38 +26,38 @@ pub(super) const MAX_LAG_STEPS: usize = 200;
 /// Steps by 1.1 from 10⁻⁹ of the largest examined damping to the largest: 218.
 pub(super) const MAX_DAMPING_STEPS: usize = 300;
 
-/// Returns the maximum lag, s, from a test of one lag. The number of tests is bounded whatever the test returns.
+/// Returns the maximum lag, s, from a test of one lag: that of the interval of stable lags with the `stated` one, or else of the
+/// first interval. The number of tests is bounded whatever the test returns.
 pub(super) fn largest_lag(
     period_s: f64,
+    stated: f64,
     with_lag: impl Fn(f64) -> Result<bool, StabilityError>,
 ) -> Result<Option<f64>, StabilityError> {
-    if !with_lag(0.0)? {
-        return Ok(None);
-    }
-    let mut stable = 0.0;
-    let mut lag = period_s * 1e-3;
+    let mut stable = first_stable([stated, 0.0], &with_lag)?;
+    let mut lag = (1.25 * stable.unwrap_or(0.0)).max(period_s * 1e-3);
     // No inner loop has a lag of 10^9 periods. If such a lag is stable, every lag counts as stable.
     for _ in 0..MAX_LAG_STEPS {
-        if !with_lag(lag)? {
-            return bisect(stable, lag, with_lag).map(Some);
+        match (stable, with_lag(lag)?) {
+            (Some(stable), false) => return bisect(stable, lag, with_lag).map(Some),
+            (None, false) => {}
+            (_, true) => stable = Some(lag),
         }
         if lag > 1e9 * period_s {
             break;
         }
-        stable = lag;
         lag *= 1.25;
     }
-    Ok(Some(f64::INFINITY))
+    Ok(stable.map(|_| f64::INFINITY))
 }
 
-/// Returns the maximum delay, periods, from a test of one delay.
+/// Returns the maximum delay, periods, from a test of one delay: that of the interval of stable delays with the `stated` one, or else
+/// with zero.
 pub(super) fn largest_delay(
+    stated: usize,
     with_delay: impl Fn(usize) -> Result<bool, StabilityError>,
 ) -> Result<Option<usize>, StabilityError> {
-    if !with_delay(0)? {
-        return Ok(None);
-    }
-    let (mut stable, mut unstable) = (0, 1);
+    let Some(mut stable) = first_stable([stated, 0], &with_delay)? else { return Ok(None) };
+    let mut unstable = (2 * stable).max(1);
     while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
         (stable, unstable) = (unstable, 2 * unstable);
     }
@@ -70,6 +70,19 @@ pub(super) fn largest_delay(
         }
     }
     Ok(Some(stable))
+}
+
+/// Returns the first of two values that is stable.
+fn first_stable<T: Copy>(
+    values: [T; 2],
+    is_stable: impl Fn(T) -> Result<bool, StabilityError>,
+) -> Result<Option<T>, StabilityError> {
+    for value in values {
+        if is_stable(value)? {
+            return Ok(Some(value));
+        }
+    }
+    Ok(None)
 }
 
 /// Returns the stable dampings from a test of one damping. The number of tests is bounded whatever the test returns.

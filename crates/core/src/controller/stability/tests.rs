@@ -74,6 +74,20 @@ fn a_loop_that_cannot_be_stabilised_has_no_margins() {
     assert!(!margin.is_stable());
 }
 
+#[test]
+fn a_loop_that_needs_a_lag_has_a_largest_one() {
+    // B_d exceeds 2 M_d/T, the limit of an arm without lag.
+    let axis =
+        ContactLoop { inertia: 5.0, damping: 600.0, environment_stiffness: 1e3, period_s: 0.02, lag_s: 0.03, ..WALL };
+    assert!(!ContactLoop { lag_s: 0.0, ..axis }.margin().unwrap().is_stable());
+    for lag_s in [0.03, 0.0] {
+        let axis = ContactLoop { lag_s, ..axis };
+        let largest = axis.margin().unwrap().largest_lag_s.unwrap();
+        assert!(ContactLoop { lag_s: 0.999 * largest, ..axis }.margin().unwrap().is_stable());
+        assert!(!ContactLoop { lag_s: 1.001 * largest, ..axis }.margin().unwrap().is_stable());
+    }
+}
+
 /// A name, and the result of the k-th call.
 type Answers = (&'static str, fn(usize) -> bool);
 
@@ -96,8 +110,8 @@ fn searches_that_do_not_converge_end_after_a_bounded_number_of_steps() {
                 Ok(answer(calls.get() - 1))
             };
             let limits = [
-                (largest_lag(size, |_| test()).is_ok(), MAX_LAG_STEPS + MAX_BISECTIONS + 1),
-                (largest_delay(|_| test()).is_ok(), 2 * MAX_DELAY_PERIODS),
+                (largest_lag(size, size, |_| test()).is_ok(), MAX_LAG_STEPS + MAX_BISECTIONS + 2),
+                (largest_delay(1, |_| test()).is_ok(), 2 * MAX_DELAY_PERIODS),
                 (stable_dampings(size, |_| test()).is_ok(), MAX_DAMPING_STEPS + 2 * MAX_BISECTIONS + 1),
                 (bisect(size, 0.0, |_| test()).is_ok(), MAX_BISECTIONS),
                 // The boundary is at zero, where a relative accuracy is never reached.
