@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use nalgebra::{IsometryMatrix3, Translation3};
 
-use super::tree::{Tree, is_finite};
+use super::tree::{Tree, has_usable_numbers};
 use super::tree_description::{JointMotion, Mimic, TreeDescription, TreeJoint, TreeTip};
 use super::{Joint, JointLimits, Link, LinkId, ModelError, MovingJoint, Tip};
 
@@ -150,7 +150,7 @@ impl Assembly {
                 (Some(self.moving.len() - 1), after)
             }
         };
-        if !is_finite(&placement) {
+        if !has_usable_numbers(&placement) {
             return Err(ModelError::NotFinite { joint: joint.name.clone() });
         }
         self.by_name.insert(joint.child.clone(), LinkId(self.links.len()));
@@ -168,7 +168,7 @@ impl Assembly {
         coordinate: usize,
     ) -> Result<(), ModelError> {
         let (multiplier, offset) = motion.mimic.as_ref().map_or((1.0, 0.0), |mimic| (mimic.multiplier, mimic.offset));
-        if !(is_finite(&placement) && multiplier.is_finite() && offset.is_finite()) {
+        if !(has_usable_numbers(&placement) && multiplier.is_finite() && offset.is_finite()) {
             return Err(ModelError::NotFinite { joint: joint.name.clone() });
         }
         if !motion.limits.is_valid() {
@@ -196,7 +196,7 @@ impl Assembly {
             if self.links[id.index()].joint.is_none() {
                 return Err(ModelError::FixedTip { tip: tip(), link: link.clone() });
             }
-            if !is_finite(offset) {
+            if !has_usable_numbers(offset) {
                 return Err(ModelError::TipNotFinite { tip: tip() });
             }
             tips.push(Tip { name: tip(), link: id, offset: *offset });

@@ -153,6 +153,7 @@ mod tests {
         assert!(error_text(&joint("a", "speed = 1.0")).contains("line 6"));
         let not_finite = "[[joints]]\nname = 'a'\nkind = 'revolute'\ndh = { d = nan, a = 0.0, alpha = 0.0 }";
         assert!(error_text(not_finite).contains("joint `a`: lengths and angles must be finite"));
+        assert!(error_text(&joint("a", "").replace("a = 1.0", "a = 1e308")).contains("joint `a`: lengths"));
     }
 
     #[test]

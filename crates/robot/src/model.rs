@@ -6,7 +6,7 @@ use nalgebra::IsometryMatrix3;
 
 use super::assembly::assemble;
 use super::shape::CollisionModel;
-use super::tree::{Tree, is_finite};
+use super::tree::{Tree, has_usable_numbers};
 use super::{ChainSelection, Joint, Link, LinkId, ModelError, MovingJoint, Tip, TreeDescription};
 
 /// A robot: a tree of links that joints connect. A serial arm is a tree without branches.
@@ -42,7 +42,7 @@ impl RobotModel {
             }
             // A description gives the transform behind a joint together with that joint, so the error names that joint.
             let after = joints.get(i + 1).map_or(&tool, |next| &next.placement);
-            if !(is_finite(&joint.placement) && is_finite(after)) {
+            if !(has_usable_numbers(&joint.placement) && has_usable_numbers(after)) {
                 return Err(ModelError::NotFinite { joint: joint.name.clone() });
             }
             if joints[..i].iter().any(|earlier| earlier.name == joint.name) {
@@ -94,7 +94,7 @@ impl RobotModel {
     /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m.
     pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
         let tool = self.tool() * offset;
-        if !is_finite(&tool) {
+        if !has_usable_numbers(&tool) {
             let joint = self.tree.moving()[self.tree.tool_joint()].name.clone();
             return Err(ModelError::NotFinite { joint });
         }

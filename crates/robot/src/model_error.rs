@@ -21,8 +21,8 @@ pub enum ModelError {
         /// The joint.
         joint: String,
     },
-    /// A length, an angle, or the multiplier or offset of a mimic joint is NaN or infinite.
-    #[error("joint `{joint}`: lengths and angles must be finite numbers")]
+    /// A length, an angle, or the multiplier or offset of a mimic joint is NaN or infinite, or a length exceeds 1e100 m.
+    #[error("joint `{joint}`: lengths and angles must be finite numbers, lengths at most 1e100 m")]
     NotFinite {
         /// The joint.
         joint: String,
@@ -82,8 +82,8 @@ pub enum ModelError {
         /// The link.
         link: String,
     },
-    /// The offset of a tip is not finite.
-    #[error("tip `{tip}`: lengths and angles must be finite numbers")]
+    /// The offset of a tip is not finite, or exceeds 1e100 m.
+    #[error("tip `{tip}`: lengths and angles must be finite numbers, lengths at most 1e100 m")]
     TipNotFinite {
         /// The tip.
         tip: String,

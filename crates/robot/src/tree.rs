@@ -10,9 +10,12 @@ const BASE: &str = "base";
 /// Name of the only tip of an arm without named links.
 const TOOL: &str = "tool";
 
-/// Returns whether all entries of a transform are finite.
-pub fn is_finite(transform: &IsometryMatrix3<f64>) -> bool {
-    transform.to_homogeneous().iter().all(|entry| entry.is_finite())
+/// Largest length, m: squares of it and sums of them are finite.
+const MAX_LENGTH: f64 = 1e100;
+
+/// Returns whether no entry of a transform exceeds [`MAX_LENGTH`].
+pub fn has_usable_numbers(transform: &IsometryMatrix3<f64>) -> bool {
+    transform.to_homogeneous().iter().all(|entry| entry.abs() <= MAX_LENGTH)
 }
 
 /// Joints, links and tips of a robot. Parents are before their children.

@@ -68,7 +68,7 @@ fn tips_must_be_on_links_that_move() {
     assert_eq!(refusal(&[tip("hand", "c")]), "tip `hand`: no joint moves link `c`");
     assert_eq!(refusal(&[tip("tool", "b"), tip("tool", "b")]), "two tips are named `tool`; give each its own name");
     let far = TreeTip { offset: IsometryMatrix3::translation(f64::INFINITY, 0.0, 0.0), ..tip("tool", "b") };
-    assert_eq!(refusal(&[far]), "tip `tool`: lengths and angles must be finite numbers");
+    assert_eq!(refusal(&[far]), "tip `tool`: lengths and angles must be finite numbers, lengths at most 1e100 m");
 }
 
 #[test]
@@ -88,7 +88,10 @@ fn mimic_joints_must_follow_a_joint_with_its_own_position() {
         assert_eq!(with(follow(leader, 1.0, 0.0)), format!("joint `k` follows joint `{leader}`, which {chain}"));
     }
     for (multiplier, offset) in [(f64::NAN, 0.0), (1.0, f64::INFINITY)] {
-        assert_eq!(with(follow("j", multiplier, offset)), "joint `k`: lengths and angles must be finite numbers");
+        assert_eq!(
+            with(follow("j", multiplier, offset)),
+            "joint `k`: lengths and angles must be finite numbers, lengths at most 1e100 m"
+        );
     }
     let only = model(&[joint("k", "a", "b", Some(follow("k", 1.0, 0.0)))]);
     assert!(matches!(only, Err(ModelError::MimicChain { .. })));
@@ -123,5 +126,5 @@ fn joints_without_axis_or_with_impossible_limits_are_refused() {
     );
     let mut far = joint("j", "a", "b", Some(turn()));
     far.origin = IsometryMatrix3::translation(f64::NAN, 0.0, 0.0);
-    assert_eq!(refusal(&[far]), "joint `j`: lengths and angles must be finite numbers");
+    assert_eq!(refusal(&[far]), "joint `j`: lengths and angles must be finite numbers, lengths at most 1e100 m");
 }
