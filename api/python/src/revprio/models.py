@@ -1447,11 +1447,12 @@ class Channel(Body):
 
     - kind: What the number is.
     - lower: Smallest command: m or rad for a position, N or N·m for a force.
-    - max_rate: Largest change of the command, per second.
+    - max_rate: Largest change of the command, per second. A `PUT` with a range that does not hold the command moves
+      it into the range at once.
     - name: Name, unique in the controller. States, actions and answers use it.
     - upper: Largest command.
     - target: Target over time until a state brings another one, one row; default: the channel has no command before
-      its first target.
+      its first target. A `PUT` that changes it replaces the targets of states.
     """
 
     kind: ChannelKind
@@ -1459,14 +1460,15 @@ class Channel(Body):
     lower: float
     """Smallest command: m or rad for a position, N or N·m for a force."""
     max_rate: float
-    """Largest change of the command, per second."""
+    """Largest change of the command, per second. A `PUT` with a range that does not hold the command moves it into the
+    range at once."""
     name: str
     """Name, unique in the controller. States, actions and answers use it."""
     upper: float
     """Largest command."""
     target: Profile | None = None
     """Target over time until a state brings another one, one row; default: the channel has no command before its first
-    target."""
+    target. A `PUT` that changes it replaces the targets of states."""
 
 
 class ChannelInput(Body):
@@ -4659,6 +4661,7 @@ class StabilityAnswer(Answer):
     - largest_delay_periods: Maximum delay at which the loop is stable, control periods, at most 64; `null` if there
       is none.
     - largest_lag_s: Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
+      A loop that is unstable at a shorter lag needs a longer one.
     - smallest_damping: Minimum damping B_d at which the loop is stable; `null` if there is none.
     """
 
@@ -4673,7 +4676,8 @@ class StabilityAnswer(Answer):
     largest_delay_periods: int | None = None
     """Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none."""
     largest_lag_s: float | None = None
-    """Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`."""
+    """Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`. A loop that is
+    unstable at a shorter lag needs a longer one."""
     smallest_damping: float | None = None
     """Minimum damping B_d at which the loop is stable; `null` if there is none."""
 

@@ -21,10 +21,11 @@ pub struct Channel {
     /// Largest command.
     #[schema(example = 0.08)]
     pub upper: f64,
-    /// Largest change of the command, per second.
+    /// Largest change of the command, per second. A `PUT` with a range that does not hold the command moves it into the range at once.
     #[schema(example = 0.2)]
     pub max_rate: f64,
     /// Target over time until a state brings another one, one row; default: the channel has no command before its first target.
+    /// A `PUT` that changes it replaces the targets of states.
     #[schema(example = json!({"kind": "constant", "value": 0.04}))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<Profile>,

@@ -134,13 +134,19 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
     streams
 }
 
-/// Returns the channels that stay with their names and kinds, and new ones: newtons are no metres.
+/// Returns the channels that stay with their names and kinds, and new ones: newtons are no metres. A target that changes takes the
+/// place of those that states have brought.
 fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
-    let known = |new: &ChannelConfig| {
+    let kept = |new: &ChannelConfig| {
         let is_same = |old: &ChannelConfig| old.name == new.name && old.kind == new.kind;
-        memory.channels.get(old.channels.iter().position(is_same)?)
+        let index = old.channels.iter().position(is_same)?;
+        let mut state = memory.channels.get(index)?.clone();
+        if new.target != old.channels[index].target {
+            state.targets.clear();
+        }
+        Some(state)
     };
-    new.channels.iter().map(|channel| known(channel).cloned().unwrap_or_default()).collect()
+    new.channels.iter().map(|channel| kept(channel).unwrap_or_default()).collect()
 }
 
 /// Returns the contact law of the old task with the name and the rows of a new one, and its contacts.

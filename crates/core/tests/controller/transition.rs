@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use revprio_core::channel::{ChannelConfig, ChannelKind, ChannelState};
+use revprio_core::channel::{ChannelConfig, ChannelKind, ChannelState, ChannelTarget};
 use revprio_core::controller::{
     Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, Stepper, TaskConfig, TransitionError,
 };
@@ -302,4 +302,12 @@ fn a_channel_of_another_kind_starts_anew() {
     let kept = |new: &Controller| new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().channels;
     assert_eq!(kept(&config(ChannelKind::Force, 20.0)), memory.as_ref().unwrap().channels);
     assert_eq!(kept(&config(ChannelKind::Position, 0.02)), [ChannelState::default()]);
+    // A target that a state has brought ends with another target of the controller.
+    let streamed = [ChannelTarget { time_s: 0.0, value: 10.0 }];
+    memory.as_mut().unwrap().channels[0].targets = streamed.to_vec();
+    let targets = |force: f64| {
+        let new = config(ChannelKind::Force, force);
+        new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().channels[0].targets.clone()
+    };
+    assert_eq!((targets(30.0), targets(20.0)), (streamed.to_vec(), vec![]));
 }
