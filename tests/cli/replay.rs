@@ -30,6 +30,20 @@ fn replay_of_every_format_gives_the_same_answers() {
 }
 
 #[test]
+fn replay_of_lost_and_late_answers_gives_the_same_commands() {
+    for mode in [&[][..], &["--stateless"]] {
+        let scratch = Scratch::new("replay_faults");
+        // It holds the outage, in which the arm brakes, and the way back to the answers.
+        let text = short("lossy_line", "duration_s = 2.8");
+        let (file, out) = (scratch.write("mine.toml", &text), scratch.argument("out"));
+        success(&[&["simulate", &file, "--out", &out, "--in-process", "--traces", "csv"][..], mode].concat());
+        let table = scratch.argument("out/lossy_line-reverse_priority-auto.csv");
+        let said = success(&[&["replay", &table][..], mode].concat());
+        assert!(said.contains(", 0 differ"), "{mode:?} {said}");
+    }
+}
+
+#[test]
 fn replay_reports_a_different_answer() {
     let scratch = recorded("replay_differs", &[]);
     let path = scratch.path().join(format!("out/{RUN}.csv"));

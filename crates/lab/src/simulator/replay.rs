@@ -1,6 +1,6 @@
 //! Sends the states of a recording again and compares the answers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::ControlFlow;
 
 use revprio_api::Service;
@@ -12,6 +12,7 @@ use super::moving_obstacles::MovingObstacles;
 use super::recording::{Recording, Sample, Sensed, TableLayout, Value};
 use super::run_error::RunError;
 use super::target_program::TargetPrograms;
+use super::watchdog::HeldCommand;
 
 /// Why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
@@ -57,8 +58,8 @@ pub struct Difference {
 /// Sends every recorded state to a service, in order, and compares each answer with the recorded one: commands, residuals,
 /// limits, path and status. Numbers may differ by `tolerance`; with 0 they must be the same bits.
 ///
-/// If the recorded arm executed an older answer because of a fault, that answer is compared. With faults, the answers are
-/// only reproducible in the mode in which they were recorded.
+/// If the recorded arm executed an older answer because of a fault, that answer is compared, with the joint velocities of the arm's
+/// reaction to the fault. With faults, the answers are only reproducible in the mode in which they were recorded.
 pub fn replay(
     recording: &Recording,
     service: &dyn Service,
@@ -73,6 +74,7 @@ pub fn replay(
     let mut streams = TargetPrograms::new(&scenario.target_programs, controller).map_err(RunError::from)?;
     let mut caller = Caller::open(controller, Callee::Borrowed(service), mode).map_err(refused(0.0))?;
     let mut again = Recording { timings: Vec::new(), samples: Vec::new(), ..recording.clone() };
+    let mut answers = Answers::new(recording, controller.period_s);
     let mut result = Replay { periods: recording.samples.len(), ..Replay::default() };
     let columns = TableLayout::from_recording(recording, false).columns();
     for (period, sample) in recording.samples.iter().enumerate() {
@@ -80,18 +82,20 @@ pub fn replay(
         let last = period.checked_sub(1).map(|last| &recording.samples[last]);
         let targets = streams.next(sample.position, last.is_some_and(Sample::presses));
         // There was no call while the service was down.
-        if scenario.faults.is_down(time_s) {
-            again.samples.push(sample.clone());
+        let answer = if scenario.faults.is_down(time_s) {
+            None
         } else {
             let state = wire::State { obstacles: obstacles.states(time_s), targets, ..state(period, sample) };
-            let answer = caller.call(state).map_err(refused(time_s))?;
-            again.samples.push(sample.clone().answered(&controller.tasks, &answer, &recording.joint_names));
+            Some(caller.call(state).map_err(refused(time_s))?)
+        };
+        if answer.is_some() && sample.answer_age > 0 {
+            caller.discard_answer();
         }
-        let age = usize::try_from(sample.answer_age).ok().and_then(|age| period.checked_sub(age));
-        if let (true, Some(asked)) = (sample.answered, age) {
+        if let (Some(held), true) = (answers.next(answer, sample), sample.answered) {
+            again.samples = vec![sample.clone().answered(&controller.tasks, &held.answer, &recording.joint_names)];
             result.compared += 1;
             let differences = columns.iter().filter(|column| column.quantity.is_answered()).filter_map(|column| {
-                let (recorded, answered) = (column.value(recording, period), column.value(&again, asked));
+                let (recorded, answered) = (column.value(recording, period), column.value(&again, 0));
                 let distance = distance(&recorded, &answered)?;
                 Some((distance, Difference { period, time_s, column: column.name.clone(), recorded, answered }))
             });
@@ -102,6 +106,41 @@ pub fn replay(
         }
     }
     Ok(result)
+}
+
+/// The answers that may still arrive, and the command of the arm.
+struct Answers {
+    period_s: f64,
+    /// The newest last; `None`: the service was down.
+    recent: VecDeque<Option<wire::StepAnswer>>,
+    /// Number of answers that are kept.
+    kept: usize,
+    held: Option<HeldCommand>,
+}
+
+impl Answers {
+    /// Keeps as many answers as the recorded arm needs.
+    fn new(recording: &Recording, period_s: f64) -> Self {
+        let oldest = recording.samples.iter().filter(|sample| sample.answered).map(|sample| sample.answer_age).max();
+        let kept = usize::try_from(oldest.unwrap_or(0)).unwrap_or(usize::MAX).min(recording.samples.len()) + 1;
+        Self { period_s, recent: VecDeque::new(), kept, held: None }
+    }
+
+    /// Adds the answer to the state of a period. Returns the command of the arm in it, from the answer that it had.
+    fn next(&mut self, answer: Option<wire::StepAnswer>, sample: &Sample) -> Option<&HeldCommand> {
+        self.recent.push_back(answer);
+        if self.recent.len() > self.kept {
+            self.recent.pop_front();
+        }
+        let age = usize::try_from(sample.answer_age).unwrap_or(usize::MAX);
+        let arrived = self.recent.iter().rev().nth(age).filter(|_| sample.answered).cloned().flatten();
+        let before = self.held.take();
+        self.held = match arrived {
+            Some(answer) => Some(HeldCommand::new(answer, before.as_ref(), sample.time_s, self.period_s)),
+            None => before.map(|before| before.hold(sample.time_s, self.period_s)),
+        };
+        self.held.as_ref()
+    }
 }
 
 impl Replay {
