@@ -49,6 +49,18 @@ fn limits(lower: [f64; N], upper: [f64; N]) -> VelocityBox {
     VelocityBox::new(&lower, &upper).unwrap()
 }
 
+/// Returns whether a rank of some tasks may be doubtful to one solver only: their levels have other rows, norms and singular values.
+fn is_near_the_threshold(tasks: &[(Matrix, Vector)]) -> bool {
+    let (mut all, mut sigmas) = (Matrix::zeros(0, N), Vec::new());
+    for (rows, _) in tasks.iter().rev() {
+        all = stack(rows, &all);
+        sigmas.extend([rows, &all].map(|rows| Svd::new(rows).singular_values().to_vec()).concat());
+    }
+    let least = tasks.iter().map(|(rows, _)| rows.norm()).fold(f64::INFINITY, f64::min);
+    let largest = all.norm();
+    sigmas.iter().any(|sigma| (1e-7 * least..1e-5 * largest).contains(sigma))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
@@ -58,7 +70,7 @@ proptest! {
         tasks in prop::collection::vec(task(), 1..4), reference in entries(N), rests in any::<bool>(),
         is_damped in any::<bool>(),
     ) {
-        let norm = tasks.iter().map(|(rows, _)| rows.norm_squared()).sum::<f64>().sqrt();
+        let is_doubtful = is_near_the_threshold(&tasks);
         for method in METHODS {
             let problem = Problem {
                 method,
@@ -75,11 +87,8 @@ proptest! {
             for solver in [Solver::Auto, Solver::Qp] {
                 let answer = resolve_with(solver, &problem, &[]).unwrap();
                 prop_assert_eq!(answer.solver.status, Status::Optimal);
-                // One level of all rows has another norm and other singular values than the levels of the closed form.
-                let ratio = closed.singularity.smallest_singular_value() / norm;
-                let is_near_the_threshold = (1e-7..1e-5).contains(&ratio);
                 let doubts = [answer.solver.rank_uncertain, closed.solver.rank_uncertain];
-                prop_assert!(doubts[0] == doubts[1] || is_near_the_threshold, "{doubts:?} {ratio:e}");
+                prop_assert!(doubts[0] == doubts[1] || is_doubtful, "{doubts:?} {method:?} {solver:?}");
                 let speed = closed.joint_velocity.norm().max(1.0);
                 let error = (&answer.joint_velocity - &closed.joint_velocity).amax() / speed;
                 prop_assert!(error < 1e-7 || closed.solver.rank_uncertain, "{method:?} {solver:?} {error:e}");
