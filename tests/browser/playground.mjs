@@ -111,11 +111,14 @@ test('scene, numbers and plots show an earlier time together', options, () => wi
 test('the pointer reads values with units, and changes of method and gains are marked', options, () => withPage('scenario=stiff_wall', async (page) => {
   await page.click('#go');
   await waitForClock(page, 1);
+  // At full speed, the run of 5 s may end before a slow browser has made the changes.
+  await page.fill('#speed', '-1');
   await page.selectOption('#method', 'damped_least_squares');
   await page.waitForFunction(() => document.getElementById('caption').textContent === 'Damped least squares');
   await page.click('text=Task gains');
   await page.fill('#gains input >> nth=0', '20');
   await page.keyboard.press('Tab');
+  await page.fill('#speed', '0');
   await waitForClock(page, 2);
   await endRun(page);
   const plot = page.locator('[data-plot="force"] canvas');

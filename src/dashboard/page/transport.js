@@ -129,12 +129,19 @@ export async function isAlive() {
   return isServer || inBrowser !== null;
 }
 
+/** Whether the last answer of a server that is known was late. */
+let wasLate = false;
+
+/** Returns whether a server answers. One late answer does not count: a busy machine gives such ones. */
 async function serverAnswers() {
   try {
     const response = await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) });
+    wasLate = false;
     return response.ok && (await response.text()) === 'ok';
-  } catch {
-    return false;
+  } catch (error) {
+    const isFirst = hasServer && !wasLate && error instanceof DOMException && error.name === 'TimeoutError';
+    wasLate = isFirst;
+    return isFirst;
   }
 }
 
