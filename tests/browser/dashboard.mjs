@@ -136,6 +136,24 @@ test('the page shows that the server was killed and that it is available again',
   await next.stop();
 });
 
+test('a service that does not answer stays unreachable until it does', options, async () => {
+  const service = await serve();
+  const { page, pageErrors, close } = await open(browser, `${service.url}/#scenario=stiff_wall`);
+  await waitForState(page, 'connection', 'ready');
+  service.signal('SIGSTOP');
+  await waitForState(page, 'connection', 'unreachable');
+  // A late answer more must not count as reachable: the page would load everything again. A check takes 2.7 s.
+  const paths = [];
+  page.on('request', (request) => paths.push(new URL(request.url()).pathname));
+  while (paths.length < 2) await new Promise((done) => setTimeout(done, 200));
+  assert.deepEqual(paths.filter((path) => path !== '/healthz'), []);
+  service.signal('SIGCONT');
+  await waitForState(page, 'connection', 'ready');
+  assert.deepEqual(pageErrors, []);
+  await close();
+  await service.stop();
+});
+
 /** Lets the service refuse a file of the page: the first `times` requests. */
 async function refuseFile(context, name, times) {
   await context.route(`**/dashboard/${name}`, (route) => {

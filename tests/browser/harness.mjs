@@ -79,7 +79,7 @@ export async function serve(port = 0, token = '') {
       running.delete(child);
       child.kill(signal);
     });
-  return { url, port: Number(new URL(url).port), stop };
+  return { url, port: Number(new URL(url).port), stop, signal: (kind) => child.kill(kind) };
 }
 
 /** Time after which a page without a frame counts as one that the browser has put aside, ms. */

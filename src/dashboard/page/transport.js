@@ -129,19 +129,20 @@ export async function isAlive() {
   return isServer || inBrowser !== null;
 }
 
-/** Whether the last answer of a server that is known was late. */
-let wasLate = false;
+/** Whether the last check got no answer in time. */
+let wasMissed = false;
 
-/** Returns whether a server answers. One late answer does not count: a busy machine gives such ones. */
+/** Returns whether a server answers. A single late answer is forgiven: a busy machine gives such ones. */
 async function serverAnswers() {
   try {
     const response = await fetch('/healthz', { cache: 'no-store', signal: AbortSignal.timeout(2000) });
-    wasLate = false;
+    wasMissed = false;
     return response.ok && (await response.text()) === 'ok';
   } catch (error) {
-    const isFirst = hasServer && !wasLate && error instanceof DOMException && error.name === 'TimeoutError';
-    wasLate = isFirst;
-    return isFirst;
+    const isLate = error instanceof DOMException && error.name === 'TimeoutError';
+    const isForgiven = hasServer && !wasMissed && isLate;
+    wasMissed = true;
+    return isForgiven;
   }
 }
 
