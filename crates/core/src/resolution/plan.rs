@@ -77,6 +77,11 @@ pub fn damps_one_level(method: Method) -> bool {
     method == Method::DampedLeastSquares
 }
 
+/// Returns whether the damping of each task has a factor of its own, from the singular values of that task or of those below.
+pub fn uses_factors(method: Method) -> bool {
+    !matches!(step(method, 0), Step::Levels)
+}
+
 /// How a scaled task takes part.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scaling {

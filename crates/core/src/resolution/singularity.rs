@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskStack};
 
+use super::plan::uses_factors;
 use super::solution::refill;
 use super::solver::SizedSolver;
-use crate::linalg::{DampingFactor, SingularValues, distance_square, smallest_and_product};
+use crate::linalg::{DampingFactor, SingularValues, add_scaled, cholesky, distance_square, dot, smallest_and_product};
 use crate::tolerances::TOLERANCES;
 
 /// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
@@ -40,14 +41,15 @@ impl TaskSingularity {
 pub struct Singularities {
     /// Per task, highest priority first.
     pub tasks: Vec<TaskSingularity>,
-    /// σ_min of all rows together and the product of their singular values, where a decision needed them.
-    known: Option<(f64, f64)>,
     /// Whether all equations are independent and nothing is damped: then every method but `singularity_robust`, and
     /// `reverse_priority` with inequality tasks, ends at the same velocity, the solution without limits.
     pub is_regular: bool,
     /// Whether rounding may have decided a rank.
     pub rank_uncertain: bool,
     singular: SingularValues,
+    /// Whether they are those of all rows.
+    knows_all: bool,
+    gram: Vec<f64>,
     /// The rows that are examined, n entries each.
     rows: Vec<f64>,
     /// Rows of an earlier period whose smallest singular value is at least `reference_bound`.
@@ -61,9 +63,10 @@ impl Singularities {
     /// Writes what was found of these tasks.
     pub fn write(&self, tasks: &TaskStack, singularity: &mut Singularity) {
         singularity.algorithmic = self.tasks.iter().any(|task| task.algorithmic);
-        match self.known {
-            Some((smallest, product)) => singularity.set(smallest, product),
-            None => singularity.set_rows(tasks.tasks(), smallest_and_product),
+        if self.knows_all {
+            singularity.set(self.singular.smallest(), self.singular.product());
+        } else {
+            singularity.set_rows(tasks.tasks(), smallest_and_product);
         }
     }
 
@@ -79,8 +82,7 @@ impl Singularities {
             return false;
         }
         refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
-        (self.is_regular, self.rank_uncertain) = (true, false);
-        self.known = None;
+        (self.is_regular, self.rank_uncertain, self.knows_all) = (true, false, false);
         true
     }
 
@@ -97,65 +99,45 @@ impl Singularities {
         let (list, damping) = (problem.tasks.tasks(), problem.damping);
         self.rank_uncertain = solver.rank_uncertain();
         let threshold = damping.map_or(0.0, |damping| damping.threshold());
-        let independent = threshold.max(TOLERANCES.certain_rank * norm);
+        let certain = TOLERANCES.certain_rank * norm;
         let regular = regular_from(damping, norm);
         let sure = if keep { f64::INFINITY } else { regular };
-        let smallest = solver.bound_smallest(norm, sure, independent);
+        let smallest = solver.bound_smallest(norm, sure, threshold.max(certain));
         self.is_regular = smallest >= regular;
         self.reference.clear();
         if keep && self.is_regular && has_only_equations {
             self.reference.set(list);
             (self.reference_bound, self.reference_norm) = (smallest, norm);
         }
-        if smallest >= independent {
-            self.known = None;
-            refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
-        } else {
-            refill(&mut self.tasks, std::iter::repeat_n(TaskSingularity::default(), list.len()));
-            self.examine_each(problem);
-        }
-        if has_only_equations {
-            return;
-        }
+        refill(&mut self.tasks, list.iter().map(TaskSingularity::independent));
         for (k, task) in list.iter().enumerate().filter(|(_, task)| !task.is_equation()) {
             self.gather(std::iter::once(task));
-            self.decompose(task.jacobian.ncols(), 0..task.jacobian.nrows());
-            self.tasks[k].rank = self.rank(task.jacobian.norm());
+            self.tasks[k].rank = self.rank_and_factor(task.jacobian.ncols(), 0..task.jacobian.nrows(), None).0;
+        }
+        self.knows_all = false;
+        let damping = damping.filter(|_| uses_factors(problem.method));
+        let independent = damping.map_or(certain, |damping| damping.threshold().max(certain));
+        if !(smallest >= independent) {
+            self.examine_each(list, damping);
         }
     }
 
     /// Examines each equation task alone and together with the lower ones, from the lowest to the highest.
-    fn examine_each(&mut self, problem: &Problem) {
-        let (tasks, damping) = (problem.tasks.tasks(), problem.damping);
-        // The smallest singular value is only computed where it matters.
-        let factor = |singular: &SingularValues| {
-            damping
-                .filter(|damping| !singular.is_above(damping.threshold()))
-                .map_or(0.0, |damping| damping.factor(singular.smallest()))
-        };
-        let n = problem.tasks.joint_count();
+    fn examine_each(&mut self, tasks: &[Task], damping: Option<Damping>) {
+        let n = tasks.first().map_or(0, |task| task.jacobian.ncols());
         self.gather(tasks.iter().filter(|task| task.is_equation()));
-        let end = self.rows.len() / n;
-        let (mut start, mut norm_square, mut rank_below) = (end, 0.0, 0);
-        self.decompose(n, end..end);
+        let end = self.rows.len() / n.max(1);
+        let (mut start, mut below) = (end, (0, 0.0));
         for (k, task) in tasks.iter().enumerate().rev().filter(|(_, task)| task.is_equation()) {
             let own = start - task.jacobian.nrows()..start;
             start = own.start;
-            let norm = task.jacobian.norm();
-            self.decompose(n, own.clone());
-            let (rank, mu) = (self.rank(norm), factor(&self.singular));
-            norm_square += norm * norm;
+            let (rank, mu) = self.rank_and_factor(n, own.clone(), damping);
             // The lowest task is alone already.
-            if own.end < end {
-                self.decompose(n, start..end);
-            }
-            let rank_all = self.rank(norm_square.sqrt());
-            let algorithmic = rank + rank_below > rank_all;
-            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: factor(&self.singular) };
-            rank_below = rank_all;
+            let all = if own.end < end { self.rank_and_factor(n, start..end, damping) } else { (rank, mu) };
+            let algorithmic = rank + below.0 > all.0;
+            self.tasks[k] = TaskSingularity { rank, algorithmic, mu, lambda: all.1 };
+            below = all;
         }
-        let product = if end == 0 { 0.0 } else { self.singular.product().min(f64::MAX) };
-        self.known = Some((self.singular.smallest(), product));
     }
 
     /// Writes the rows of tasks one after the other.
@@ -167,20 +149,50 @@ impl Singularities {
         }
     }
 
-    /// Decomposes a range of the gathered rows.
-    fn decompose(&mut self, n: usize, range: Range<usize>) {
-        let m = range.len();
+    /// Returns the rank of a range of the gathered rows, and the damping factor for their smallest singular value.
+    fn rank_and_factor(&mut self, n: usize, range: Range<usize>, damping: Option<Damping>) -> (usize, f64) {
         let rows = &self.rows[range.start * n..range.end * n];
+        let (m, square) = (range.len(), dot(rows, rows));
+        let (short, norm) = (m.min(n), square.sqrt());
+        let threshold = damping.map_or(0.0, |damping| damping.threshold());
+        let is_far = exceeds(rows, n, threshold.max(TOLERANCES.certain_rank * norm), &mut self.gram);
+        self.knows_all = !is_far && rows.len() == self.rows.len();
+        if is_far {
+            return (short, 0.0);
+        }
         if m <= n {
             self.singular.decompose(n, rows.iter().copied());
         } else {
             self.singular.decompose(m, (0..n).flat_map(|j| rows[j..].iter().step_by(n).copied()));
         }
+        let rank = self.singular.count_from(TOLERANCES.rank * norm);
+        let damping = damping.filter(|damping| !self.singular.is_above(damping.threshold()));
+        (rank, damping.map_or(0.0, |damping| damping.factor(self.singular.smallest())))
     }
+}
 
-    fn rank(&self, norm: f64) -> usize {
-        self.singular.count_from(TOLERANCES.rank * norm)
+/// Returns whether all singular values of a matrix certainly exceed `bound`; `rows`: n entries each, `gram`: scratch.
+///
+/// The product of the matrix with its transpose is exact to the rounding of its trace.
+fn exceeds(rows: &[f64], n: usize, bound: f64, gram: &mut Vec<f64>) -> bool {
+    let m = rows.len() / n;
+    gram.clear();
+    if m <= n {
+        for row in rows.chunks_exact(n) {
+            gram.extend(rows.chunks_exact(n).map(|other| dot(row, other)));
+        }
+    } else {
+        gram.resize(n * n, 0.0);
+        for row in rows.chunks_exact(n) {
+            for (sums, entry) in gram.chunks_exact_mut(n).zip(row) {
+                add_scaled(sums, *entry, row);
+            }
+        }
     }
+    let size = m.min(n);
+    let trace: f64 = gram.iter().step_by(size + 1).sum();
+    gram.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound * bound + TOLERANCES.rounding * trace);
+    cholesky(gram, size)
 }
 
 /// Returns ‖A − A'‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the sizes

@@ -149,14 +149,13 @@ impl Arm {
         let period = self.stepper.controller().config().period_s;
         let mut counts = Counts::default();
         for _ in 0..periods {
-            let mut path = Path::default();
-            let counted = measure(|| {
-                let command = self.stepper.step(&mut self.memory, &self.measured).unwrap();
-                path = command.resolution.solver.path;
-                counts.seen += u32::from(is_seen(command));
-                let speeds = command.resolution.joint_velocity.iter();
-                self.measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += period * speed);
-            });
+            let mut command = None;
+            let counted = measure(|| command = Some(self.stepper.step(&mut self.memory, &self.measured).unwrap()));
+            let command = command.unwrap();
+            let path = command.resolution.solver.path;
+            counts.seen += u32::from(is_seen(command));
+            let speeds = command.resolution.joint_velocity.iter();
+            self.measured.joint_position.iter_mut().zip(speeds).for_each(|(q, speed)| *q += period * speed);
             self.measured.time_s += period;
             counts.qp += u32::from(path == Path::Qp);
             counts.active_set += u32::from(path == Path::ActiveSet);

@@ -22,8 +22,8 @@ pub trait SizedSolver {
     fn rank_uncertain(&self) -> bool;
 
     /// Returns a lower bound of σ_min of all rows of the last factorisation, whose Frobenius norm is `norm`: the one of the
-    /// determinant of their triangle if that is at least `sure`; otherwise 1/‖L⁻¹‖_F if that is at least `needed`; otherwise
-    /// σ_min itself. It is not a number where there are no rows, or where they depend on each other.
+    /// determinant of their triangle if that is at least `sure`; otherwise 1/‖L⁻¹‖_F if that is at least `needed`, or
+    /// shows that σ_min is not; otherwise σ_min itself. It is not a number where there are no rows, or where they depend on each other.
     fn bound_smallest(&mut self, norm: f64, sure: f64, needed: f64) -> f64;
 
     /// Returns the solution of the last factorisation if no singular value of a level, on what the levels above leave, is below `least`.
@@ -74,7 +74,9 @@ impl<const N: usize> SizedSolver for ActiveSetSolver<N> {
             return bound;
         }
         let size = write_inverse(solved.triangle().map(|row| (&row.coordinates, row.inverse)), &mut self.inverse);
-        if size * needed <= 1.0 { 1.0 / size } else { self.solved.smallest_singular_value() }
+        // σ_min lies between 1/‖L⁻¹‖_F and √r/‖L⁻¹‖_F.
+        let decides = size * needed <= 1.0 || size * needed > (rank as f64).sqrt();
+        if decides { 1.0 / size } else { self.solved.smallest_singular_value() }
     }
 
     fn regular_solution(&mut self, least: f64) -> Option<(&[f64], bool)> {
