@@ -169,7 +169,7 @@ fn no_limit_is_exceeded_while_random_tasks_change() {
             all.jerk = all.jerk.max(found.jerk);
         }
     }
-    assert!(all.speed > 0.99 && all.acceleration > 0.99 && all.jerk > 0.99, "the tasks are too slow: {all:?}");
+    assert!(all.speed > 0.95 && all.acceleration > 0.99 && all.jerk > 0.99, "the tasks are too slow: {all:?}");
 }
 
 #[test]

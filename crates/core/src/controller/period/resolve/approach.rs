@@ -12,8 +12,8 @@
 //!
 //! Joints that each arrive as fast as they can do not arrive together: on the way they would move what a higher task holds, for the sake of
 //! a lower one. So if the second solution loses of a task that is not the lowest what the first one achieves, the period is solved once
-//! more, and each joint may also arrive more slowly or go away from its velocity. Where that loses less, it is the answer: the order of the
-//! tasks decides which joints wait. It is not used where an inequality acts.
+//! more, and each joint may also arrive more slowly or go away from its velocity. Where the highest task whose loss differs then loses less,
+//! it is the answer: the order of the tasks decides which joints wait. It is not used where an inequality acts.
 //!
 //! Planes and other inequalities go before such an arrival: if the second solution violates one, the box of all limits is
 //! solved as it is.
@@ -31,6 +31,9 @@ const LOSS: f64 = 1e-6;
 
 /// Part of a joint's velocity that counts as rounding, rad/s or m/s: other joints need not make up for it.
 const ROUNDING: f64 = 1e-9;
+
+/// Difference of two losses that counts as rounding, m/s or rad/s.
+const EQUAL_LOSS: f64 = 1e-9;
 
 /// The memory of a controller that keeps jerk limits.
 #[derive(Debug)]
@@ -56,6 +59,8 @@ struct First {
     missed: Vec<f64>,
     /// The scales of scaled tasks.
     scales: Vec<Option<f64>>,
+    /// What each task but the lowest loses in the second solution, m/s or rad/s.
+    lost: Vec<f64>,
 }
 
 impl Approach {
@@ -97,12 +102,10 @@ impl Approach {
         }
         first.replace_wishes(problem, resolution)?;
         solve(narrowed, problem, resolution)?;
-        let lost = first.loss(resolution);
-        if lost > LOSS && resolution.active_constraints().next().is_none() {
+        if first.loses(resolution) && resolution.active_constraints().next().is_none() {
             narrow(narrowed, Pace::AtMost);
             solve(narrowed, problem, resolution)?;
-            let is_better = first.loss(resolution) < lost;
-            if !is_better || resolution.active_constraints().next().is_some() {
+            if !first.loses_less(resolution) || resolution.active_constraints().next().is_some() {
                 narrow(narrowed, Pace::Fast);
                 solve(narrowed, problem, resolution)?;
             }
@@ -119,7 +122,7 @@ impl Approach {
 impl First {
     /// Lets a problem aim at what its first solution achieves, without damping.
     fn replace_wishes(&mut self, problem: &mut Problem, resolution: &Resolution) -> Result<(), TaskError> {
-        let Self { wanted, null_space, damping, achieved, missed, scales } = self;
+        let Self { wanted, null_space, damping, achieved, missed, scales, .. } = self;
         let outcomes = &resolution.tasks;
         wanted.resize_with(outcomes.len(), Vec::new);
         achieved.resize_with(outcomes.len(), Vec::new);
@@ -167,12 +170,25 @@ impl First {
         })
     }
 
-    /// Returns what tasks that are not the lowest miss beyond what the first solution misses, the largest, m/s or rad/s.
-    fn loss(&self, resolution: &Resolution) -> f64 {
+    /// Keeps what each task but the lowest loses, and returns whether one does.
+    fn loses(&mut self, resolution: &Resolution) -> bool {
+        let mut lost = std::mem::take(&mut self.lost);
+        lost.clear();
+        lost.extend(self.losses(resolution));
+        self.lost = lost;
+        self.lost.iter().any(|lost| *lost > LOSS)
+    }
+
+    /// Returns whether the highest task whose loss is another one than that of [`Self::loses`] loses less.
+    fn loses_less(&self, resolution: &Resolution) -> bool {
+        let mut differences = self.losses(resolution).zip(&self.lost).map(|(now, before)| now - before);
+        differences.find(|difference| difference.abs() > EQUAL_LOSS).is_some_and(|difference| difference < 0.0)
+    }
+
+    /// Returns what each task but the lowest misses beyond what the first solution misses, m/s or rad/s.
+    fn losses(&self, resolution: &Resolution) -> impl Iterator<Item = f64> {
         let upper = resolution.tasks.len().saturating_sub(1);
-        let losses =
-            resolution.tasks.iter().take(upper).zip(&self.missed).map(|(task, missed)| task.residual_norm - missed);
-        losses.fold(0.0, f64::max)
+        resolution.tasks.iter().take(upper).zip(&self.missed).map(|(task, missed)| task.residual_norm - missed)
     }
 }
 
