@@ -31,7 +31,7 @@ impl CheckedStepper {
         let rules = convert::state_rules(request)?;
         let first_warnings = warnings::of_first_step(request, controller.config());
         let profile_ends = warnings::profile_ends(request);
-        let stepper = stepper(controller).map_err(|error| convert::step_error(&error))?;
+        let stepper = stepper(controller).map_err(|error| convert::step_error(&error, None))?;
         Ok(Self { stepper, rules, first_warnings, profile_ends })
     }
 
@@ -86,7 +86,8 @@ impl CheckedStepper {
         let resting = is_at_rest.then(|| Measurement { joint_velocity: None, ..measurement.clone() });
         let measurement = resting.as_ref().unwrap_or(measurement);
         warnings.extend(implausible);
-        let command = self.stepper.step(memory, measurement).map_err(|error| convert::step_error(&error))?;
+        let command = self.stepper.step(memory, measurement);
+        let command = command.map_err(|error| convert::step_error(&error, Some(measurement)))?;
         self.rules.warn(&mut warnings, measurement, &controller, command);
         warnings::warn_about_targets(&mut warnings, &controller, command);
         warnings::warn_about_weights(&mut warnings, &controller, command);

@@ -55,14 +55,17 @@ pub fn measurement(state: &wire::State, controller: &Controller) -> Result<Measu
     })
 }
 
-/// Converts the error of a step. Pointers begin at the state, except those to the memory.
-pub fn step_error(error: &StepError) -> ApiError {
+/// Converts the error of a step to a measurement, if there is one. Pointers begin at the state, except those to the memory.
+pub fn step_error(error: &StepError, measurement: Option<&Measurement>) -> ApiError {
+    let has_wrench = |measurement: &Measurement| measurement.wrench != [0.0; 6] || !measurement.wrenches.is_empty();
     let field = match error {
         StepError::Configuration(ConfigurationError::Size { .. } | ConfigurationError::NotFinite { .. }) => {
             "/joint_position"
         }
         StepError::JointVelocity { .. } => "/joint_velocity",
-        StepError::NotFinite | StepError::Task(_) => "/wrench",
+        StepError::NotFinite => "/wrench",
+        // Gains may be the cause, too.
+        StepError::Task(_) => measurement.filter(|measurement| has_wrench(measurement)).map_or("", |_| "/wrench"),
         StepError::Channel => "/channels",
         StepError::WrenchTip { .. } => "/wrenches",
         StepError::Target { .. } | StepError::Chunk { .. } => "/targets",
