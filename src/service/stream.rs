@@ -36,6 +36,9 @@ const MAX_READ: usize = 2 * MAX_MESSAGE;
 /// Size of the read buffer, bytes: a few messages.
 const BUFFER: usize = 16 << 10;
 
+/// Size of the write buffer, bytes: more than an answer needs. Where it is full, only the answer to the newest ping waits.
+const MAX_WRITE: usize = 1 << 20;
+
 /// Time between two pings.
 const PING_INTERVAL: Duration = Duration::from_secs(10);
 
@@ -71,6 +74,7 @@ pub fn accept(upgrade: WebSocketUpgrade, task: ServingTask, app: Arc<AppState>, 
         .protocols([JSON, MESSAGE_PACK])
         .read_buffer_size(BUFFER)
         .write_buffer_size(0)
+        .max_write_buffer_size(MAX_WRITE)
         .max_message_size(MAX_READ)
         .max_frame_size(MAX_READ);
     upgrade.on_upgrade(|socket| async move {
