@@ -133,6 +133,7 @@ fn pairs_and_shapes_of_a_link_are_not_those_of_what_is_fixed_to_it() {
     let watched = |name: &str, more: &Value| {
         let mut robot = json!({"name": name, "urdf": text, "tip": "right_lower", "shapes": "fit"});
         robot.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        robot.as_object_mut().unwrap().retain(|_, value| !value.is_null());
         let created = service.post("/v1/robots", &robot.to_string());
         assert_eq!(created.status, 201, "{}", created.text);
         let robot = service.get(&format!("/v1/robots/{name}")).accepted();
@@ -148,6 +149,19 @@ fn pairs_and_shapes_of_a_link_are_not_those_of_what_is_fixed_to_it() {
     assert!(all > without_lower && all > without_hand, "{all}, {without_lower}, {without_hand}");
     assert_eq!(all - without_lower, all - without_hand, "four capsules of the table each");
     assert!(hand["left_out"].as_array().unwrap().iter().any(|pair| pair["reason"] == "Never"), "{hand}");
+    for (name, links, fitted) in
+        [("lower", ["table", "right_lower"], &shapes), ("hand", ["right_hand", "table"], &hand)]
+    {
+        let mut list = srdf(links);
+        list["shapes"] = Value::Null;
+        list["shape_list"] = fitted["shape_list"].clone();
+        let (_, listed) = watched(&format!("listed_{name}"), &list);
+        assert_eq!(&listed, fitted, "the list has the same pairs as the shapes that it lists");
+        assert!(fitted["shape_list"].to_string().contains(r#""body":"right_hand""#), "{fitted}");
+    }
+    let other = json!([{"link": "right_upper", "body": "right_hand", "sphere": {"radius": 0.12}}]);
+    let robot = json!({"name": "other", "urdf": text, "tip": "right_lower", "shape_list": other});
+    service.post("/v1/robots", &robot.to_string()).assert_refused(422, Some("/shape_list/0/body"));
     let of_table = |pair: &Value| pair["links"] == json!(["table", "right_hand"]);
     assert!(!shapes["left_out"].as_array().unwrap().iter().any(of_table), "{shapes}");
     // A stated shape replaces the bodies of its own link, and not the hand that it carries.

@@ -104,6 +104,11 @@ pub struct HalfSpace {
 pub struct LinkShape {
     /// Link that carries it.
     pub link: String,
+    /// Link of the robot's text that it covers, if that is no link of the robot and fixed joints connect it with `link`: a hand beyond the
+    /// tip. The SRDF text names it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = "panda_hand")]
+    pub body: Option<String>,
     /// A capsule; either this or `sphere`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub capsule: Option<Capsule>,

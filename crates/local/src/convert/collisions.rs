@@ -123,8 +123,26 @@ fn listed_shapes(robot: &RobotModel, request: &wire::RobotRegistration) -> Resul
     let listed = request.shape_list.as_deref().unwrap_or_default();
     check(listed.len() <= MAX_CAPSULES, "/shape_list", format_args!("give at most {MAX_CAPSULES} shapes"))?;
     let capsules: Vec<LinkCapsule> = each("/shape_list", listed, |_, shape| link_capsule(robot, shape))?;
-    let names = capsules.iter().map(|shape| robot.links()[shape.link.index()].name.clone()).collect();
+    let names = covered_links(robot, request, &capsules)?;
     Ok(FittedShapes { capsules, names, uncovered: Vec::new() })
+}
+
+/// Returns the link of the text that each listed shape covers.
+fn covered_links(
+    robot: &RobotModel,
+    request: &wire::RobotRegistration,
+    capsules: &[LinkCapsule],
+) -> Result<Vec<String>> {
+    let listed = request.shape_list.as_deref().unwrap_or_default();
+    let has_bodies = listed.iter().any(|shape| shape.body.is_some());
+    let carriers = has_bodies.then(|| robot.carrying_links(&request.urdf)).transpose();
+    let carriers = carriers.map_err(|error| ApiError::invalid("/urdf", error))?.unwrap_or_default();
+    each("/shape_list", listed, |k, shape| {
+        let Some(body) = &shape.body else { return Ok(shape.link.clone()) };
+        let moves_with_it = carriers.get(body) == Some(&capsules[k].link);
+        check(moves_with_it, "/body", format_args!("fixed joints must connect `{body}` with `{}`", shape.link))?;
+        Ok(body.clone())
+    })
 }
 
 /// Names the shape that is refused; `names`: the links of all shapes, the listed ones first.
@@ -203,17 +221,18 @@ fn link(robot: &RobotModel, name: &str, pointer: &str) -> Result<LinkId> {
 pub fn shapes_answer(robot: &RobotModel) -> Option<wire::RobotShapes> {
     let model = robot.collision()?;
     let name = |link: LinkId| robot.links()[link.index()].name.clone();
-    let shape = |capsule: &LinkCapsule| {
+    let shape = |(capsule, body): (&LinkCapsule, &String)| {
         let (Segment { from, to }, radius) = (capsule.core, capsule.radius);
-        let is_sphere = from == to;
+        let (link, is_sphere) = (name(capsule.link), from == to);
         wire::LinkShape {
-            link: name(capsule.link),
+            body: Some(body.clone()).filter(|body| *body != link),
+            link,
             capsule: (!is_sphere).then(|| wire::Capsule { start: from.into(), end: to.into(), radius }),
             sphere: is_sphere.then(|| wire::Sphere { center: from.into(), radius }),
         }
     };
     Some(wire::RobotShapes {
-        shape_list: model.capsules().iter().map(shape).collect(),
+        shape_list: model.capsules().iter().zip(model.names()).map(shape).collect(),
         watched_pairs: model.pairs().len(),
         left_out: left_out_answer(model),
         uncovered_links: model.uncovered().to_vec(),

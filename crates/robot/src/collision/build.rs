@@ -42,7 +42,7 @@ impl RobotModel {
         disabled: &[DisabledPair],
     ) -> Result<Self, CollisionError> {
         let FittedShapes { capsules, names, uncovered } = shapes;
-        let model = self.collision_model(capsules, &names, (stated, disabled))?.with_uncovered(uncovered);
+        let model = self.collision_model(capsules, names, (stated, disabled))?.with_uncovered(uncovered);
         Ok(self.with_collision(model))
     }
 
@@ -53,7 +53,7 @@ impl RobotModel {
     pub fn with_capsules(self, capsules: Vec<LinkCapsule>, stated: &[StatedPair]) -> Result<Self, CollisionError> {
         let names: Vec<String> =
             capsules.iter().map(|capsule| self.links()[capsule.link.index()].name.clone()).collect();
-        let model = self.collision_model(capsules, &names, (stated, &[]))?;
+        let model = self.collision_model(capsules, names, (stated, &[]))?;
         Ok(self.with_collision(model))
     }
 
@@ -61,7 +61,7 @@ impl RobotModel {
     fn collision_model(
         &self,
         capsules: Vec<LinkCapsule>,
-        names: &[String],
+        names: Vec<String>,
         left_out: (&[StatedPair], &[DisabledPair]),
     ) -> Result<CollisionModel, CollisionError> {
         if capsules.len() > MAX_CAPSULES {
@@ -75,7 +75,7 @@ impl RobotModel {
             (link.joint, capsule.core.moved(&link.placement))
         };
         let carried = capsules.iter().map(carried).collect();
-        Ok(choose_pairs(self, CollisionModel::new(capsules, carried), names, left_out))
+        Ok(choose_pairs(self, CollisionModel::new(capsules, names, carried), left_out))
     }
 }
 

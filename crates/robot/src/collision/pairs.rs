@@ -13,16 +13,15 @@ const SAMPLES: usize = 2000;
 /// Half of the range of a joint without limits in the sample, rad or m.
 const UNLIMITED: f64 = std::f64::consts::PI;
 
-/// Returns capsules without pairs with those pairs that are watched, and those that are left out. `names`: the link of each capsule in the
-/// text of the robot.
+/// Returns capsules without pairs with those pairs that are watched, and those that are left out.
 pub(super) fn choose_pairs(
     robot: &RobotModel,
     model: CollisionModel,
-    names: &[String],
     (stated, disabled): (&[StatedPair], &[DisabledPair]),
 ) -> CollisionModel {
     let disabled: HashMap<[&str; 2], &str> =
         disabled.iter().map(|pair| (sorted([&pair.links[0], &pair.links[1]]), pair.reason.as_str())).collect();
+    let names = model.names();
     let of_text =
         |i: usize, j: usize| disabled.get(&sorted([&names[i], &names[j]])).map(|reason| stated_by_text(reason));
     let named = |i: usize, j: usize| [names[i].clone(), names[j].clone()];

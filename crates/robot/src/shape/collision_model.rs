@@ -58,6 +58,8 @@ pub struct LeftOutPair {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollisionModel {
     capsules: Vec<LinkCapsule>,
+    /// The link of the robot's text that each capsule belongs to.
+    names: Vec<String>,
     /// The moving joint that carries each capsule, and the capsule's segment in the frame that this joint moves, m.
     carried: Vec<(Option<usize>, Segment)>,
     pairs: Vec<WatchedPair>,
@@ -66,9 +68,10 @@ pub struct CollisionModel {
 }
 
 impl CollisionModel {
-    /// Builds a model without pairs from capsules, and their joints with their segments in the frames that these move.
-    pub(crate) fn new(capsules: Vec<LinkCapsule>, carried: Vec<(Option<usize>, Segment)>) -> Self {
-        Self { capsules, carried, pairs: Vec::new(), left_out: Vec::new(), uncovered: Vec::new() }
+    /// Builds a model without pairs from capsules with the names of their links, and their joints with their segments in the frames that
+    /// these move.
+    pub(crate) fn new(capsules: Vec<LinkCapsule>, names: Vec<String>, carried: Vec<(Option<usize>, Segment)>) -> Self {
+        Self { capsules, names, carried, pairs: Vec::new(), left_out: Vec::new(), uncovered: Vec::new() }
     }
 
     /// Returns the same model with these pairs.
@@ -84,6 +87,11 @@ impl CollisionModel {
     /// Returns the capsules.
     pub fn capsules(&self) -> &[LinkCapsule] {
         &self.capsules
+    }
+
+    /// Returns the link of the robot's text that each capsule belongs to. Another link carries it where fixed joints connect both.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Returns the pairs that must keep clear of each other.

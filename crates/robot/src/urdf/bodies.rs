@@ -64,6 +64,14 @@ pub struct LinkBodies {
 }
 
 impl RobotModel {
+    /// Returns the link of the robot with which each link of the text moves that this robot was read from: its own link, or one that fixed
+    /// joints connect with it. Links that move otherwise are left out.
+    pub fn carrying_links(&self, text: &str) -> Result<HashMap<String, LinkId>, UrdfError> {
+        let document = parse(text)?;
+        let links = Links::read(robot(&document)?)?;
+        Ok(carriers(self, &links)?.into_iter().map(|(name, (carrier, _))| (name.to_owned(), carrier)).collect())
+    }
+
     /// Reads the `<collision>` elements of the text that this robot was read from. No file that it names is opened.
     ///
     /// A link that is no part of the robot, but that fixed joints connect with one that is, moves with that one: the pedestal below the
