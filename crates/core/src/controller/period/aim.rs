@@ -10,7 +10,7 @@ mod streams;
 
 pub use self::braking::BRAKING_SHARE;
 use self::braking::RequestBounds;
-pub(super) use self::contacts::Contacts;
+pub(super) use self::contacts::{Contacts, PressingAxis};
 pub(super) use self::gains::Gains;
 use self::look_ahead::{LookAhead, Scene};
 use crate::arm_state::ArmState;

@@ -44,7 +44,7 @@ impl Period {
     pub fn new(config: &ControllerConfig, solver: Box<dyn Solve>) -> Result<Self, StepError> {
         let arm = config.allocate_arm()?;
         let (aiming, allowed) = (Aiming::new(config, config.moved_rows(&arm)?)?, Allowed::new(config));
-        let resolving = Resolving::new(config, aiming.targets(), solver);
+        let resolving = Resolving::new(config, &arm, aiming.targets(), solver);
         let recording = Recording::new(config.robot.joint_count());
         Ok(Self { arm, aiming, allowed, resolving, recording, guard: config.allocate_guard()? })
     }

@@ -7,7 +7,7 @@ mod released;
 
 use self::approach::Approach;
 use self::clear::keep_clear;
-use self::hold::Holding;
+use self::hold::{HeldMotion, Holding};
 use super::aim::Requests;
 use super::allow::Allowed;
 use crate::arm_state::ArmState;
@@ -37,17 +37,19 @@ pub(super) struct Resolving {
     solver: Box<dyn Solve>,
     approach: Option<Approach>,
     clear: LimitedBox,
+    held: Option<HeldMotion>,
     singular: SingularValues,
     command: Command,
 }
 
 impl Resolving {
     /// Allocates the command of a checked configuration; `targets`: as many as the tasks have, with their sizes.
-    pub fn new(config: &ControllerConfig, targets: &[TaskTarget], solver: Box<dyn Solve>) -> Self {
+    pub fn new(config: &ControllerConfig, arm: &ArmState, targets: &[TaskTarget], solver: Box<dyn Solve>) -> Self {
         let command =
             Command { targets: targets.to_vec(), stuck: Vec::with_capacity(targets.len()), ..Command::default() };
         let clear = LimitedBox::unbounded(config.robot.joint_count());
-        Self { solver, approach: Approach::new(config), clear, singular: SingularValues::default(), command }
+        let (approach, held) = (Approach::new(config), HeldMotion::new(config, arm));
+        Self { solver, approach, clear, held, singular: SingularValues::default(), command }
     }
 
     /// Returns the command of the last period.
@@ -62,7 +64,7 @@ pub(super) fn resolve<'a>(
     (arm, previous, requests): (&ArmState, &Memory, Requests),
     problem: &'a mut Problem,
     (allowed, guard): (&'a Allowed, Option<&mut CollisionGuard>),
-    Resolving { solver, approach, clear, singular, command }: &'a mut Resolving,
+    Resolving { solver, approach, clear, held, singular, command }: &'a mut Resolving,
 ) -> Result<Answer<'a>, StepError> {
     for (row, allowed) in problem.inequalities.iter_mut().zip(&allowed.inequalities) {
         row.copy_from(allowed);
@@ -89,7 +91,7 @@ pub(super) fn resolve<'a>(
         solver.solve(problem, &previous.active_set, &mut command.resolution)?;
         (box_of_all, None)
     };
-    let holding = Holding { config, arm, requests };
+    let mut holding = Holding { config, arm, requests, held: held.as_mut() };
     let Some(guard) = guard else {
         holding.update(&mut command.hold, command.resolution.joint_velocity.as_slice(), &problem.tasks);
         released::report((config, arm, requests), problem, &mut command.resolution, singular)?;

@@ -15,7 +15,7 @@ pub(super) fn keep_clear(
     (guard, moment): (&mut CollisionGuard, Moment),
     (limits, shrunk): (&LimitedBox, &mut LimitedBox),
     (problem, solver, resolution): (&mut Problem, &mut dyn Solve, &mut Resolution),
-    (guess, holding, hold): (&[ActiveSet], Holding, &mut Hold),
+    (guess, mut holding, hold): (&[ActiveSet], Holding, &mut Hold),
 ) -> Result<bool, ProblemError> {
     let mut can_be_held = |guard: &mut CollisionGuard, command: &[f64], tasks: &TaskStack| {
         holding.update(hold, command, tasks);
