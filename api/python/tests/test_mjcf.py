@@ -155,6 +155,32 @@ def test_a_joint_that_follows_another_one_becomes_mimic() -> None:
     assert (mimic.get("joint"), mimic.get("multiplier"), mimic.get("offset")) == ("drive", "-1.0", "0.01")
 
 
+def arm_with_equality(equality: str) -> mujoco.MjModel:
+    """An arm with joints j1, j2 and j3 about parallel axes, and a cube, a sphere that the user moves, and a table."""
+    text = '<site name="tool" pos="0.3 0 0"/>'
+    for number in (3, 2, 1):
+        joint = f'<joint name="j{number}" axis="0 0 1" range="-100 100" ref="{10 * number}"/><geom size="0.1"/>'
+        text = f'<body name="b{number}" pos="0.5 0 0">{joint}{text}</body>'
+    scene = """<body name="cube"><freejoint/><geom size="0.1"/></body>
+        <body name="target" mocap="true"><geom size="0.1"/></body><body name="table"><geom size="0.1"/></body>"""
+    equality = f"<equality>{equality}</equality>"
+    return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{text}{scene}</worldbody>{equality}</mujoco>")
+
+
+def test_a_coupling_that_is_not_linear_is_refused_with_the_remedy() -> None:
+    for numbers in ("0 1 0.5 0 0", "0 1 0 0.5 0", "0 1 0 0 0.5"):
+        model = arm_with_equality(f'<joint joint1="j2" joint2="j1" polycoef="{numbers}"/>')
+        message = f'joint `j2` follows joint `j1` .* polycoef="{numbers}"; .* Set .* to 0 .* active="false"'
+        with pytest.raises(ValueError, match=message):
+            revprio.read_mjcf(model)
+
+
+def test_an_inactive_coupling_does_not_count() -> None:
+    for numbers in ("0 1 0.5 0 0", "0 1 0 0 0"):
+        model = arm_with_equality(f'<joint joint1="j2" joint2="j1" polycoef="{numbers}" active="false"/>')
+        assert "mimic" not in revprio.read_mjcf(model)
+
+
 def test_a_free_base_is_the_root_and_loops_and_balls_are_left_out() -> None:
     urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING), velocity_limits=1.0)
     robot = revprio.register_robot(name="flying", urdf=urdf)

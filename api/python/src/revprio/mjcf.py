@@ -24,12 +24,12 @@ def read_mjcf(
     """Returns the kinematic tree of a MuJoCo model as URDF text, for `register_robot(urdf=…)`.
 
     Bodies and named sites become links, hinges and slides become joints. A joint keeps its position (`ref` included)
-    and its range. A joint that an `<equality>` couples to another one becomes a `mimic` joint, and one that it locks
-    becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have the types
-    `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root; otherwise the
-    root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of a registration
-    makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are left out. The text
-    has no masses.
+    and its range. A joint that an active `<equality>` couples to another one becomes a `mimic` joint, and one that it
+    locks becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have
+    the types `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root;
+    otherwise the root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of
+    a registration makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are
+    left out. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -40,7 +40,8 @@ def read_mjcf(
 
     Raises:
         ImportError: The package `mujoco` is not installed.
-        ValueError: MuJoCo cannot compile the file, or `velocity_limits` names a joint that the model does not have.
+        ValueError: MuJoCo cannot compile the file, an `<equality>` couples two joints by a polynomial that is not
+            linear, or `velocity_limits` names a joint that the model does not have.
 
     """
     try:
@@ -243,9 +244,22 @@ def _mimics(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, t
     for equality in range(model.neq):
         follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
         if model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality] and leader >= 0:
-            offset, multiplier = model.eq_data[equality][:2]
+            offset, multiplier, *higher = (float(number) for number in model.eq_data[equality][:5])
+            if any(higher):
+                raise ValueError(_not_linear(model, equality))
             y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, leader))
-            yield follower, (leader, float(multiplier), y + float(offset) - float(multiplier) * x)
+            yield follower, (leader, multiplier, y + offset - multiplier * x)
+
+
+def _not_linear(model: mujoco.MjModel, equality: int) -> str:
+    """Returns why a coupling of two joints is refused."""
+    follower, leader = (model.joint(int(ids[equality])).name for ids in (model.eq_obj1id, model.eq_obj2id))
+    numbers = " ".join(f"{number:g}" for number in model.eq_data[equality][:5])
+    return (
+        f'joint `{follower}` follows joint `{leader}` by a polynomial that is not linear, polycoef="{numbers}"; the '
+        "service knows linear couplings only. Set the last three numbers to 0 if a line is accurate enough. Or set "
+        f'active="false" at this <equality>: `{follower}` is then a joint with its own position'
+    )
 
 
 def _locked(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, float]]:
