@@ -156,9 +156,9 @@ def test_a_joint_that_follows_another_one_becomes_mimic() -> None:
 
 
 def arm_with_equality(equality: str) -> mujoco.MjModel:
-    """An arm with joints j1, j2 and j3 about parallel axes, and a cube, a sphere that the user moves, and a table."""
+    """An arm with joints j0 to j4 about parallel axes, and a cube, a sphere that the user moves, and a table."""
     text = '<site name="tool" pos="0.3 0 0"/>'
-    for number in (3, 2, 1):
+    for number in range(4, -1, -1):
         joint = f'<joint name="j{number}" axis="0 0 1" range="-100 100" ref="{10 * number}"/><geom size="0.1"/>'
         text = f'<body name="b{number}" pos="0.5 0 0">{joint}{text}</body>'
     scene = """<body name="cube"><freejoint/><geom size="0.1"/></body>
@@ -179,6 +179,34 @@ def test_an_inactive_coupling_does_not_count() -> None:
     for numbers in ("0 1 0.5 0 0", "0 1 0 0 0"):
         model = arm_with_equality(f'<joint joint1="j2" joint2="j1" polycoef="{numbers}" active="false"/>')
         assert "mimic" not in revprio.read_mjcf(model)
+
+
+def test_a_joint_that_follows_a_locked_one_is_fixed() -> None:
+    # In any order, over several joints, and by a polynomial too: with j1 fixed, all of them are numbers.
+    model = arm_with_equality(
+        '<joint joint1="j3" joint2="j2" polycoef="0.1 0.5 0.3 0.2 -0.4"/>'
+        '<joint joint1="j2" joint2="j1" polycoef="0.2 -1.5 0 0 0"/><joint joint1="j1" polycoef="0.6 0 0 0 0"/>'
+        '<joint joint1="j4" joint2="j0" polycoef="0.1 2 0 0 0"/>',
+    )
+    urdf = revprio.read_mjcf(model, velocity_limits=1.0)
+    robot = revprio.register_robot(name="followers", urdf=urdf, tips=[revprio.RegisteredTip(name="tip", link="tool")])
+    pose = revprio.kinematics(robot="followers", joint_position={"j0": 0.5}).pose
+    revprio.delete_robot("followers")
+    assert [joint.name for joint in robot.joints] == ["j0"]
+    data = mujoco.MjData(model)
+    motions = {"j0": 0.5, "j1": 0.6, "j2": 0.2 - 1.5 * 0.6}
+    motions["j3"] = float(np.polyval([-0.4, 0.2, 0.3, 0.5, 0.1], motions["j2"]))
+    motions["j4"] = 0.1 + 2 * motions["j0"]
+    for name, motion in motions.items():
+        data.joint(name).qpos[0] = model.joint(name).qpos0[0] + motion
+    mujoco.mj_kinematics(model, data)
+    np.testing.assert_allclose(np.asarray(pose.position), data.site("tool").xpos, atol=1e-12)
+
+
+def test_joints_that_follow_each_other_do_not_hang() -> None:
+    pair = '<joint joint1="{}" joint2="{}" polycoef="0 1 0 0 0"/>'
+    model = arm_with_equality(pair.format("j1", "j2") + pair.format("j2", "j1"))
+    assert revprio.read_mjcf(model).count("<mimic") == 2
 
 
 def test_a_free_base_is_the_root_and_loops_and_balls_are_left_out() -> None:

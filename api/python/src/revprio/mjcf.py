@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -25,11 +25,11 @@ def read_mjcf(
 
     Bodies and named sites become links, hinges and slides become joints. A joint keeps its position (`ref` included)
     and its range. A joint that an active `<equality>` couples to another one becomes a `mimic` joint, and one that it
-    locks becomes fixed. Ball joints and joints of closed kinematic loops cannot be part of a serial arm; they have
-    the types `ball` and `closed_loop`. If nothing but a body with a free joint has joints, that body is the root;
-    otherwise the root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of
-    a registration makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are
-    left out. The text has no masses.
+    locks becomes fixed, with the joints that follow it. Ball joints and joints of closed kinematic loops cannot be
+    part of a serial arm; they have the types `ball` and `closed_loop`. If nothing but a body with a free joint has
+    joints, that body is the root; otherwise the root is `world`. Geoms that can collide become `<collision>`
+    elements, from which `shapes="fit"` of a registration makes capsules; meshes and ellipsoids become their bounding
+    boxes, planes and height fields are left out. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -59,6 +59,17 @@ def read_mjcf(
     return _Tree(mujoco, model, velocity_limits).text()
 
 
+class _Coupling(NamedTuple):
+    """States the motion of a joint from its reference position: a polynomial of the motion of another joint.
+
+    Without a leader, the motion is the first coefficient.
+    """
+
+    follower: int
+    leader: int | None
+    coefficients: list[float]
+
+
 class _Tree:
     """The links and joints of a model. A placement is a 4 × 4 matrix."""
 
@@ -72,8 +83,9 @@ class _Tree:
         self.link_names, self.joint_names = set(self.bodies), set(self.joints)
         self.links: dict[str, ET.Element] = {}
         self.speeds = self.speeds_of(velocity_limits)
-        self.mimics = dict(_mimics(library, model))
-        self.locked = dict(_locked(library, model))
+        couplings = list(_couplings(library, model))
+        self.locked = _locked(model, couplings)
+        self.mimics = dict(_mimics(model, couplings, self.locked))
         self.loops = set(_loops(library, model))
         self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
 
@@ -143,7 +155,7 @@ class _Tree:
 
         The motion is by position − `ref`, about an anchor that need not be the origin of the body.
         """
-        anchor, reference = self.model.jnt_pos[joint], self.model.qpos0[self.model.jnt_qposadr[joint]]
+        anchor, reference = self.model.jnt_pos[joint], _reference(self.model, joint)
         if self.model.jnt_type[joint] == self.kinds.mjJNT_SLIDE:
             return np.eye(4), self.motion(joint, -reference)
         return _placement(anchor), self.motion(joint, -reference) @ _placement(-anchor)
@@ -239,22 +251,48 @@ class _Tree:
         return element
 
 
-def _mimics(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, tuple[int, float, float]]]:
-    """Yields each joint that follows another one, with that one, the factor and the offset."""
+def _couplings(library: ModuleType, model: mujoco.MjModel) -> Iterator[_Coupling]:
+    """Yields the active equalities that state the position of a joint, by itself or by that of another joint."""
     for equality in range(model.neq):
-        follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
-        if model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality] and leader >= 0:
-            offset, multiplier, *higher = (float(number) for number in model.eq_data[equality][:5])
-            if any(higher):
-                raise ValueError(_not_linear(model, equality))
-            y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, leader))
-            yield follower, (leader, multiplier, y + offset - multiplier * x)
+        if model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality]:
+            follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+            yield _Coupling(follower, leader if leader >= 0 else None, model.eq_data[equality][:5].tolist())
 
 
-def _not_linear(model: mujoco.MjModel, equality: int) -> str:
+def _locked(model: mujoco.MjModel, couplings: list[_Coupling]) -> dict[int, float]:
+    """Returns the position of each joint that is kept at one: by itself, or because it follows such a joint."""
+    locked = {
+        coupling.follower: _reference(model, coupling.follower) + coupling.coefficients[0]
+        for coupling in couplings
+        if coupling.leader is None
+    }
+    # Each round finds the joints that follow those of the round before.
+    for _ in couplings:
+        for follower, leader, coefficients in couplings:
+            if leader in locked and follower not in locked:
+                motion = locked[leader] - _reference(model, leader)
+                position = sum(number * motion**degree for degree, number in enumerate(coefficients))
+                locked[follower] = _reference(model, follower) + position
+    return locked
+
+
+def _mimics(
+    model: mujoco.MjModel, couplings: list[_Coupling], locked: Container[int]
+) -> Iterator[tuple[int, tuple[int, float, float]]]:
+    """Yields each joint that follows one that moves, with that one, the factor and the offset."""
+    for follower, leader, coefficients in couplings:
+        if leader is None or follower in locked:
+            continue
+        offset, multiplier, *higher = coefficients
+        if any(higher):
+            raise ValueError(_not_linear(model.joint(follower).name, model.joint(leader).name, coefficients))
+        y, x = _reference(model, follower), _reference(model, leader)
+        yield follower, (leader, multiplier, y + offset - multiplier * x)
+
+
+def _not_linear(follower: str, leader: str, coefficients: list[float]) -> str:
     """Returns why a coupling of two joints is refused."""
-    follower, leader = (model.joint(int(ids[equality])).name for ids in (model.eq_obj1id, model.eq_obj2id))
-    numbers = " ".join(f"{number:g}" for number in model.eq_data[equality][:5])
+    numbers = " ".join(f"{number:g}" for number in coefficients)
     return (
         f'joint `{follower}` follows joint `{leader}` by a polynomial that is not linear, polycoef="{numbers}"; the '
         "service knows linear couplings only. Set the last three numbers to 0 if a line is accurate enough. Or set "
@@ -262,13 +300,9 @@ def _not_linear(model: mujoco.MjModel, equality: int) -> str:
     )
 
 
-def _locked(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, float]]:
-    """Yields each joint that is kept at a position, and that position."""
-    for equality in range(model.neq):
-        is_joint = model.eq_type[equality] == library.mjtEq.mjEQ_JOINT and model.eq_active0[equality]
-        if is_joint and model.eq_obj2id[equality] < 0:
-            joint = int(model.eq_obj1id[equality])
-            yield joint, float(model.qpos0[model.jnt_qposadr[joint]] + model.eq_data[equality][0])
+def _reference(model: mujoco.MjModel, joint: int) -> float:
+    """Returns the position of a joint in the reference posture, rad or m."""
+    return float(model.qpos0[model.jnt_qposadr[joint]])
 
 
 def _loops(library: ModuleType, model: mujoco.MjModel) -> Iterator[int]:
