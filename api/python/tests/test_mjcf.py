@@ -274,3 +274,37 @@ def test_geoms_that_collide_become_shapes_that_contain_them() -> None:
         assert ends[..., 0].max() > 0.3
     finally:
         revprio.delete_robot("shapes")
+
+
+# `upper` has a visual geom before one that collides, `fore` has two visual ones, `hand` has none.
+VISUAL = """
+<mujoco>
+  <default><default class="visual"><geom contype="0" conaffinity="0"/></default></default>
+  <worldbody>
+    <geom type="plane" size="1 1 0.1" class="visual"/>
+    <body name="upper">
+      <joint name="shoulder" axis="0 0 1" range="-100 100"/>
+      <geom size="0.05" class="visual"/><geom size="0.04"/>
+      <body name="fore" pos="0.4 0 0">
+        <joint name="elbow" axis="0 0 1" range="-100 100"/>
+        <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03" class="visual"/>
+        <body pos="0.2 0 0"><geom type="box" size="0.1 0.1 0.1" class="visual"/></body>
+        <body name="hand" pos="0.4 0 0">
+          <joint name="wrist" axis="0 0 1" range="-100 100"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+          <body name="tool" pos="0.1 0 0"><geom size="0.02"/></body>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>"""
+
+
+def test_links_that_are_only_visible_are_listed_as_uncovered() -> None:
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(VISUAL), velocity_limits=1.0)
+    visible = {link.get("name"): len(link.findall("visual")) for link in ET.fromstring(urdf).findall("link")}
+    assert visible == {"world": 0, "upper": 0, "fore": 1, "hand": 0, "tool": 0}
+    robot = revprio.register_robot(name="visual", urdf=urdf, shapes="fit")
+    revprio.delete_robot("visual")
+    assert robot.shapes is not None
+    assert [shape.link for shape in robot.shapes.shape_list] == ["upper", "tool"]
+    assert robot.shapes.uncovered_links == ["fore"]

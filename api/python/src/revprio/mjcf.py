@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import mujoco
 
 Array = NDArray[np.float64]
+_Form = tuple[str, dict[str, str], Array]
 
 
 def read_mjcf(
@@ -29,7 +30,8 @@ def read_mjcf(
     part of a serial arm; they have the types `ball` and `closed_loop`. If nothing but a body with a free joint has
     joints, that body is the root; otherwise the root is `world`. Geoms that can collide become `<collision>`
     elements, from which `shapes="fit"` of a registration makes capsules; meshes and ellipsoids become their bounding
-    boxes, planes and height fields are left out. The text has no masses.
+    boxes, planes and height fields are left out. A link with visual geoms only has one of them as `<visual>`, so that
+    the service lists it as uncovered. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -111,7 +113,7 @@ class _Tree:
             else:
                 continue
             self.sites(body)
-        self.collisions()
+        self.shapes()
         return ET.tostring(self.robot, encoding="unicode")
 
     def roots(self) -> list[int]:
@@ -177,26 +179,34 @@ class _Tree:
                 link = _unused(name if name not in self.link_names else f"{name}_site", self.link_names)
                 self.fixed(link, self.bodies[body], placement)
 
-    def collisions(self) -> None:
-        """Writes the geoms that can collide into the link of their body, or of the nearest body above with a link."""
-        model = self.model
-        for geom in range(model.ngeom):
-            body, placement = int(model.geom_bodyid[geom]), _placement(model.geom_pos[geom], model.geom_quat[geom])
-            while body > 0 and self.bodies[body] not in self.links:
-                placement = _placement(model.body_pos[body], model.body_quat[body]) @ placement
-                body = int(model.body_parentid[body])
-            link = self.links.get(self.bodies[body])
-            form = self.form(geom)
-            if link is None or form is None or not model.geom_contype[geom] | model.geom_conaffinity[geom]:
-                continue
-            kind, sizes, middle = form
-            placement = placement @ _placement(middle)
-            collision = ET.SubElement(link, "collision")
-            angles = _numbers(_roll_pitch_yaw(placement))
-            ET.SubElement(collision, "origin", xyz=_numbers(placement[:3, 3]), rpy=angles)
-            ET.SubElement(ET.SubElement(collision, "geometry"), kind, sizes)
+    def shapes(self) -> None:
+        """Writes the geoms that can collide, and a visual one into each other link that has one.
 
-    def form(self, geom: int) -> tuple[str, dict[str, str], Array] | None:
+        The service then lists such a link as uncovered, and warns that nothing keeps it clear.
+        """
+        for geom in sorted(range(self.model.ngeom), key=self.is_visual):
+            link, placement = self.carrier(geom)
+            form = self.form(geom)
+            if link is None or form is None:
+                continue
+            if not self.is_visual(geom):
+                _write_shape(link, "collision", form, placement)
+            elif link.find("collision") is None and link.find("visual") is None:
+                _write_shape(link, "visual", form, placement)
+
+    def is_visual(self, geom: int) -> bool:
+        return not self.model.geom_contype[geom] | self.model.geom_conaffinity[geom]
+
+    def carrier(self, geom: int) -> tuple[ET.Element | None, Array]:
+        """Returns the link of the body of a geom, or of the nearest body above with a link, and the placement in it."""
+        model = self.model
+        body, placement = int(model.geom_bodyid[geom]), _placement(model.geom_pos[geom], model.geom_quat[geom])
+        while body > 0 and self.bodies[body] not in self.links:
+            placement = _placement(model.body_pos[body], model.body_quat[body]) @ placement
+            body = int(model.body_parentid[body])
+        return self.links.get(self.bodies[body]), placement
+
+    def form(self, geom: int) -> _Form | None:
         """Returns the URDF element of a geom, its attributes, and where its middle is in the frame of the geom, m."""
         size, origin = self.model.geom_size[geom], np.zeros(3)
         kind = self.model.geom_type[geom]
@@ -249,6 +259,15 @@ class _Tree:
         ET.SubElement(element, "child", link=links[1])
         ET.SubElement(element, "origin", xyz=_numbers(placement[:3, 3]), rpy=_numbers(_roll_pitch_yaw(placement)))
         return element
+
+
+def _write_shape(link: ET.Element, kind: str, form: _Form, placement: Array) -> None:
+    """Writes a geom as `collision` or `visual`; `placement`: that of the geom in the link."""
+    name, sizes, middle = form
+    placement = placement @ _placement(middle)
+    element = ET.SubElement(link, kind)
+    ET.SubElement(element, "origin", xyz=_numbers(placement[:3, 3]), rpy=_numbers(_roll_pitch_yaw(placement)))
+    ET.SubElement(ET.SubElement(element, "geometry"), name, sizes)
 
 
 def _couplings(library: ModuleType, model: mujoco.MjModel) -> Iterator[_Coupling]:
