@@ -308,3 +308,37 @@ def test_links_that_are_only_visible_are_listed_as_uncovered() -> None:
     assert robot.shapes is not None
     assert [shape.link for shape in robot.shapes.shape_list] == ["upper", "tool"]
     assert robot.shapes.uncovered_links == ["fore"]
+
+
+# An arm on a base that the user can move, and objects around it: a stool, a door, a cup with a handle, and a target.
+SCENE = """
+<mujoco>
+  <worldbody>
+    <geom name="pillar" size="0.1" pos="2 0 0"/>
+    <body name="stool" pos="1 0 0"><geom size="0.2"/></body>
+    <body name="door" pos="0 1 0"><joint name="door_hinge" axis="0 0 1"/><geom type="box" size="0.4 0.02 0.9"/>
+      <body><geom size="0.03"/></body></body>
+    <body name="cup" pos="1 0 0.3"><freejoint/><geom size="0.05"/><site name="grip"/>
+      <body><geom size="0.01"/></body><body name="handle"><geom size="0.01"/></body></body>
+    <body pos="1 0 0.5"><freejoint/><geom size="0.05"/></body>
+    <body name="target" mocap="true"><geom size="0.1"/><body name="axis"><geom size="0.01"/></body></body>
+    <body mocap="true"><geom size="0.1" contype="0" conaffinity="0"/></body>
+    <body name="cart" mocap="true"><geom size="0.1"/>
+      <body name="upper" pos="0 0 0.2"><joint name="lift" axis="0 1 0"/><geom size="0.05"/>
+        <body name="fore" pos="0.4 0 0"><joint name="bend" axis="0 1 0"/><geom size="0.05"/></body>
+      </body></body>
+  </worldbody>
+</mujoco>"""
+
+
+def test_objects_that_are_fixed_to_nothing_are_left_out() -> None:
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(SCENE), velocity_limits=1.0)
+    shapes = {link.get("name"): len(link.findall("collision")) for link in ET.fromstring(urdf).findall("link")}
+    assert shapes == {"world": 1, "stool": 1, "door": 2, "cart": 1, "upper": 1, "fore": 1}
+    assert "visual" not in urdf
+    robot = revprio.register_robot(name="scene", urdf=urdf, shapes="fit", tip="fore")
+    revprio.delete_robot("scene")
+    assert robot.shapes is not None
+    # The pillar and the stool are fixed to the base.
+    assert [shape.link for shape in robot.shapes.shape_list] == ["world", "world", "cart", "upper", "fore"]
+    assert robot.shapes.uncovered_links == ["door"]

@@ -31,7 +31,8 @@ def read_mjcf(
     joints, that body is the root; otherwise the root is `world`. Geoms that can collide become `<collision>`
     elements, from which `shapes="fit"` of a registration makes capsules; meshes and ellipsoids become their bounding
     boxes, planes and height fields are left out. A link with visual geoms only has one of them as `<visual>`, so that
-    the service lists it as uncovered. The text has no masses.
+    the service lists it as uncovered. Free bodies and mocap bodies without other joints are left out, with all that
+    they carry: they are fixed to no link. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -88,6 +89,7 @@ class _Tree:
         couplings = list(_couplings(library, model))
         self.locked = _locked(model, couplings)
         self.mimics = dict(_mimics(model, couplings, self.locked))
+        self.jointed_trees = self.find_jointed_trees()
         self.loops = set(_loops(library, model))
         self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
 
@@ -107,7 +109,7 @@ class _Tree:
         for body in range(self.model.nbody):
             if body in roots:
                 self.link(self.bodies[body])
-            elif body in named and int(self.model.body_parentid[body]) in inside and not self.is_free(body):
+            elif body in named and int(self.model.body_parentid[body]) in inside and not self.is_loose(body):
                 inside.add(body)
                 self.body(body)
             else:
@@ -118,11 +120,15 @@ class _Tree:
 
     def roots(self) -> list[int]:
         """Returns the world, if it carries joints, and the free bodies that carry joints."""
-        jointed = {int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt)}
-        free = {body for body in jointed if self.is_free(body)}
-        moving = {int(self.model.body_rootid[body]) for body in jointed - free}
-        world = [0] if moving - free or not moving else []
-        return world + sorted(free & moving)
+        free = {body for body in self.jointed_trees if self.is_free(body)}
+        world = [0] if self.jointed_trees - free or not self.jointed_trees else []
+        return world + sorted(free)
+
+    def find_jointed_trees(self) -> set[int]:
+        """Returns the bodies right below the world that carry joints, other than a free joint."""
+        model = self.model
+        jointed = {int(model.jnt_bodyid[joint]) for joint in range(model.njnt)}
+        return {int(model.body_rootid[body]) for body in jointed if not self.is_free(body)}
 
     def named(self) -> set[int]:
         """Returns the bodies that have a name, a joint or a named site, and those that carry them."""
@@ -134,6 +140,10 @@ class _Tree:
     def is_free(self, body: int) -> bool:
         first = self.model.body_jntadr[body]
         return bool(first >= 0 and self.model.jnt_type[first] == self.kinds.mjJNT_FREE)
+
+    def is_loose(self, body: int) -> bool:
+        """Tells whether a body is fixed to nothing and carries no joints: an object of the scene, or a mocap body."""
+        return body not in self.jointed_trees and (self.is_free(body) or self.model.body_mocapid[body] >= 0)
 
     def body(self, body: int) -> None:
         """Writes a body and its joints. MuJoCo moves a body by its joints, one after the other."""
@@ -198,10 +208,13 @@ class _Tree:
         return not self.model.geom_contype[geom] | self.model.geom_conaffinity[geom]
 
     def carrier(self, geom: int) -> tuple[ET.Element | None, Array]:
-        """Returns the link of the body of a geom, or of the nearest body above with a link, and the placement in it."""
+        """Returns the link of the body of a geom, or of the nearest body above with a link, and the placement in it.
+
+        There is no link if the geom moves with a loose body.
+        """
         model = self.model
         body, placement = int(model.geom_bodyid[geom]), _placement(model.geom_pos[geom], model.geom_quat[geom])
-        while body > 0 and self.bodies[body] not in self.links:
+        while body > 0 and self.bodies[body] not in self.links and not self.is_loose(body):
             placement = _placement(model.body_pos[body], model.body_quat[body]) @ placement
             body = int(model.body_parentid[body])
         return self.links.get(self.bodies[body]), placement
