@@ -155,16 +155,17 @@ def test_a_joint_that_follows_another_one_becomes_mimic() -> None:
     assert (mimic.get("joint"), mimic.get("multiplier"), mimic.get("offset")) == ("drive", "-1.0", "0.01")
 
 
-def arm_with_equality(equality: str) -> mujoco.MjModel:
+def arm_with_equality(equality: str, objects: str = "") -> mujoco.MjModel:
     """An arm with joints j0 to j4 about parallel axes, and a cube, a sphere that the user moves, and a table."""
     text = '<site name="tool" pos="0.3 0 0"/>'
     for number in range(4, -1, -1):
         joint = f'<joint name="j{number}" axis="0 0 1" range="-100 100" ref="{10 * number}"/><geom size="0.1"/>'
         text = f'<body name="b{number}" pos="0.5 0 0">{joint}{text}</body>'
     scene = """<body name="cube"><freejoint/><geom size="0.1"/></body>
-        <body name="target" mocap="true"><geom size="0.1"/></body><body name="table"><geom size="0.1"/></body>"""
+        <body name="target" mocap="true"><geom size="0.1"/></body>
+        <body name="table"><geom size="0.1"/><site name="vise"/></body>"""
     equality = f"<equality>{equality}</equality>"
-    return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{text}{scene}</worldbody>{equality}</mujoco>")
+    return mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{text}{scene}{objects}</worldbody>{equality}</mujoco>")
 
 
 def test_a_coupling_that_is_not_linear_is_refused_with_the_remedy() -> None:
@@ -234,6 +235,42 @@ def test_missing_speeds_and_wrong_files_are_refused_with_the_remedy(tmp_path: Pa
     (tmp_path / "broken.xml").write_text("<mujoco><worldbody>", encoding="utf-8")
     with pytest.raises(ValueError, match=r"broken\.xml: XML"):
         revprio.read_mjcf(tmp_path / "broken.xml")
+
+
+def joints_of_type(kind: str, urdf: str) -> set[str | None]:
+    return {joint.get("name") for joint in ET.fromstring(urdf).findall("joint") if joint.get("type") == kind}
+
+
+@pytest.mark.parametrize(
+    ("equality", "loop"),
+    [
+        ('<weld body1="b3"/>', {"j0", "j1", "j2", "j3"}),
+        ('<connect body1="b1" anchor="0 0 0"/>', {"j0", "j1"}),
+        ('<weld body1="table" body2="b3"/>', {"j0", "j1", "j2", "j3"}),
+        ('<weld site1="tool" site2="vise"/>', {"j0", "j1", "j2", "j3", "j4"}),
+        ('<weld body1="b1" body2="door"/>', {"j0", "j1", "hinge"}),
+        ('<weld body1="b3" active="false"/>', set()),
+        # They pull the arm, or hold what it grasps.
+        ('<weld body1="target" body2="b4"/>', set()),
+        ('<connect body1="b4" body2="target" anchor="0 0 0"/>', set()),
+        ('<weld body1="b4" body2="cube"/>', set()),
+    ],
+)
+def test_the_world_closes_loops_and_what_moves_freely_does_not(equality: str, loop: set[str]) -> None:
+    door = '<body name="door"><joint name="hinge"/><geom size="0.1"/></body>'
+    urdf = revprio.read_mjcf(arm_with_equality(equality, door), velocity_limits=1.0)
+    assert joints_of_type("closed_loop", urdf) == loop
+
+
+def test_a_free_base_gives_way_to_a_weld_of_the_arm_to_the_world() -> None:
+    text = FLYING.replace('<connect body1="crank" body2="rocker" anchor="0 0 0.1"/>', '<weld body1="fore"/>')
+    assert not joints_of_type("closed_loop", revprio.read_mjcf(mujoco.MjModel.from_xml_string(text)))
+
+
+def test_an_arm_that_is_welded_to_the_world_is_refused() -> None:
+    urdf = revprio.read_mjcf(arm_with_equality('<weld body1="b4"/>'), velocity_limits=1.0)
+    with pytest.raises(revprio.InvalidError, match="joint `j0` of the chain is closed_loop"):
+        revprio.register_robot(name="welded", urdf=urdf, tip="tool")
 
 
 SHAPES = """

@@ -27,12 +27,13 @@ def read_mjcf(
     Bodies and named sites become links, hinges and slides become joints. A joint keeps its position (`ref` included)
     and its range. A joint that an active `<equality>` couples to another one becomes a `mimic` joint, and one that it
     locks becomes fixed, with the joints that follow it. Ball joints and joints of closed kinematic loops cannot be
-    part of a serial arm; they have the types `ball` and `closed_loop`. If nothing but a body with a free joint has
-    joints, that body is the root; otherwise the root is `world`. Geoms that can collide become `<collision>`
-    elements, from which `shapes="fit"` of a registration makes capsules; meshes and ellipsoids become their bounding
-    boxes, planes and height fields are left out. A link with visual geoms only has one of them as `<visual>`, so that
-    the service lists it as uncovered. Free bodies and mocap bodies without other joints are left out, with all that
-    they carry: they are fixed to no link. The text has no masses.
+    part of a serial arm; they have the types `ball` and `closed_loop`. The world can close a loop too, but mocap
+    bodies and free bodies do not. If nothing but a body with a free joint has joints, that body is the root;
+    otherwise the root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of
+    a registration makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are
+    left out. A link with visual geoms only has one of them as `<visual>`, so that the service lists it as uncovered.
+    Free bodies and mocap bodies without other joints are left out, with all that they carry: they are fixed to no
+    link. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -338,17 +339,28 @@ def _reference(model: mujoco.MjModel, joint: int) -> float:
 
 
 def _loops(library: ModuleType, model: mujoco.MjModel) -> Iterator[int]:
-    """Yields the joints of closed loops: those between two connected bodies of a tree."""
+    """Yields the joints of closed loops: those between two connected bodies. The world can close a loop too.
+
+    A loop is open if a free body is part of it, or a mocap body: that one pulls the arm to where the user moves it.
+    """
+    for first, second in _connected(library, model):
+        between = set(_ancestors(model, first)) ^ set(_ancestors(model, second))
+        joints = [model.body_jntadr[body] + i for body in between for i in range(model.body_jntnum[body])]
+        is_free = any(model.jnt_type[joint] == library.mjtJoint.mjJNT_FREE for joint in joints)
+        if not is_free and all(model.body_mocapid[body] < 0 for body in between):
+            yield from map(int, joints)
+
+
+def _connected(library: ModuleType, model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
+    """Yields the pairs of bodies that active equalities connect. Body 0 is the world."""
     for equality in range(model.neq):
-        if int(model.eq_type[equality]) not in {int(library.mjtEq.mjEQ_CONNECT), int(library.mjtEq.mjEQ_WELD)}:
+        kind, is_active = int(model.eq_type[equality]), bool(model.eq_active0[equality])
+        if not is_active or kind not in {int(library.mjtEq.mjEQ_CONNECT), int(library.mjtEq.mjEQ_WELD)}:
             continue
-        ends = [int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])]
+        first, second = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
         if model.eq_objtype[equality] == library.mjtObj.mjOBJ_SITE:
-            ends = [int(model.site_bodyid[end]) for end in ends]
-        first, second = (set(_ancestors(model, end)) for end in ends)
-        if first & second and model.eq_active0[equality]:
-            for body in first ^ second:
-                yield from range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+            first, second = int(model.site_bodyid[first]), int(model.site_bodyid[second])
+        yield first, second
 
 
 def _ancestors(model: mujoco.MjModel, body: int) -> Iterator[int]:
