@@ -11,7 +11,9 @@ mod pairs;
 mod placed;
 
 pub use self::build::{CollisionError, MAX_CAPSULES};
-pub use self::fit::{ColladaError, FitError, FittedCapsule, FittedShapes, MeshDirectory, MeshError, Triangle};
+pub use self::fit::{
+    ColladaError, FitError, FittedCapsule, FittedShapes, MeshDirectory, MeshError, StlError, Triangle,
+};
 pub use self::gradient::BodyPoint;
 pub use self::lever::{Levers, last_common, levers};
 pub use self::placed::PlacedBody;

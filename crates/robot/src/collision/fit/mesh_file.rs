@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::collada::{self, ColladaError};
 use super::fitted_capsule::{MAX_TRIANGLES, Triangle};
+use super::stl::{self, StlError};
 
 /// Where the files are that a URDF text names.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,6 +35,14 @@ pub enum MeshError {
         path: PathBuf,
         /// What is wrong.
         source: std::io::Error,
+    },
+    /// The file is no STL file that this crate reads, or it is cut.
+    #[error("cannot read the mesh {path}: {source}")]
+    Stl {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: StlError,
     },
     /// The file is no COLLADA file that this crate reads.
     #[error("cannot read the mesh {path}: {source}; convert it to STL, or state capsules for its link in `shape_list`")]
@@ -76,7 +85,8 @@ impl MeshDirectory {
         let path = self.find(name).ok_or_else(|| MeshError::NotFound { name: name.to_owned() })?;
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
         let mut triangles = match ending.as_str() {
-            "stl" | "obj" => load(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?,
+            "stl" => read_stl(&path)?,
+            "obj" => read_obj(&path).map_err(|source| MeshError::Read { path: path.clone(), source })?,
             "dae" => read_collada(&path)?,
             _ => return Err(MeshError::Format { path }),
         };
@@ -102,9 +112,13 @@ impl MeshDirectory {
     }
 }
 
-/// Reads an STL or OBJ file.
-fn load(path: &Path) -> std::io::Result<Vec<Triangle>> {
-    let scene = Loader::default().load(path)?;
+fn read_stl(path: &Path) -> Result<Vec<Triangle>, MeshError> {
+    let bytes = std::fs::read(path).map_err(|source| MeshError::Read { path: path.to_owned(), source })?;
+    stl::read(&bytes).map_err(|source| MeshError::Stl { path: path.to_owned(), source })
+}
+
+fn read_obj(path: &Path) -> std::io::Result<Vec<Triangle>> {
+    let scene = Loader::default().load_obj(path)?;
     let mut triangles = Vec::new();
     for mesh in &scene.meshes {
         for face in &mesh.faces {

@@ -6,6 +6,7 @@ mod fitted_capsule;
 mod mesh_file;
 mod primitive;
 mod split;
+mod stl;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ use nalgebra::Vector3;
 pub use self::collada::ColladaError;
 pub use self::fitted_capsule::{FittedCapsule, Triangle};
 pub use self::mesh_file::{MeshDirectory, MeshError};
+pub use self::stl::StlError;
 use crate::shape::{LinkCapsule, Segment};
 use crate::{BodyForm, LinkBody, RobotModel, UrdfError};
 
