@@ -40,6 +40,16 @@ pub enum ColladaError {
     /// A list has other entries than numbers, or too few.
     #[error("<{0}> must contain finite numbers, as many as its kind needs")]
     Numbers(String),
+    /// An element has another number of triangles, strips, fans or polygons than it states.
+    #[error("<{element}> states count=\"{stated}\" and has {found}; is the file cut?")]
+    Count {
+        /// The element.
+        element: String,
+        /// Its attribute `count`.
+        stated: usize,
+        /// What it has.
+        found: usize,
+    },
     /// A triangle has a corner that does not exist.
     #[error("a triangle names the corner {index} of {count}")]
     Corner {
@@ -102,8 +112,9 @@ fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 
 
 /// Returns the numbers of an element's text.
 fn numbers<T: std::str::FromStr>(node: Node) -> Result<Vec<T>, ColladaError> {
-    let words = node.text().unwrap_or_default().split_ascii_whitespace();
-    words.map(|word| word.parse().map_err(|_| wrong_numbers(node))).collect()
+    // A comment divides a text into several nodes.
+    let text: String = node.children().filter(Node::is_text).filter_map(|part| part.text()).collect();
+    text.split_ascii_whitespace().map(|word| word.parse().map_err(|_| wrong_numbers(node))).collect()
 }
 
 fn wrong_numbers(node: Node) -> ColladaError {
@@ -170,7 +181,9 @@ impl<'a, 'i: 'a> Reader<'a, 'i> {
                 _ => continue,
             };
             let points = self.points(primitive)?;
-            for corner_list in loops(primitive)? {
+            let loops = loops(primitive)?;
+            check_count(primitive, &loops)?;
+            for corner_list in loops {
                 let is_list = primitive.has_tag_name_local("triangles");
                 let count = if is_list { corner_list.len() / 3 } else { corner_list.len().saturating_sub(2) };
                 for k in 0..count {
@@ -204,14 +217,44 @@ impl<'a, 'i: 'a> Reader<'a, 'i> {
         let source = self.target(with(vertices, "POSITION").ok_or_else(missing)?, "source")?;
         let list = child(source, "float_array").ok_or_else(missing)?;
         let accessor = child(source, "technique_common").and_then(|common| child(common, "accessor"));
-        let (stride, offset) = match accessor {
-            Some(accessor) => (index(accessor, "stride", 1)?.max(3), index(accessor, "offset", 0)?),
-            None => (3, 0),
+        let (stride, offset, [x, y, z]) = match accessor {
+            Some(accessor) => {
+                (index(accessor, "stride", 1)?.max(3), index(accessor, "offset", 0)?, coordinates(accessor)?)
+            }
+            None => (3, 0, [0, 1, 2]),
         };
         let values: Vec<f64> = numbers(list)?;
-        let points = values.get(offset..).unwrap_or_default().chunks(stride).filter(|point| point.len() >= 3);
-        Ok(points.map(|point| Point3::new(point[0], point[1], point[2])).collect())
+        let points = values.get(offset..).unwrap_or_default().chunks(stride);
+        let point = |entries: &[f64]| Some(Point3::new(*entries.get(x)?, *entries.get(y)?, *entries.get(z)?));
+        Ok(points.map_while(point).collect())
     }
+}
+
+/// Returns where X, Y and Z stand in each entry of an accessor: its parameters name the values in their order.
+fn coordinates(accessor: Node) -> Result<[usize; 3], ColladaError> {
+    let names: Vec<_> = children(accessor, "param").map(|param| param.attribute("name").unwrap_or_default()).collect();
+    if names.is_empty() {
+        return Ok([0, 1, 2]);
+    }
+    let place = |name: &str| names.iter().position(|other| other.eq_ignore_ascii_case(name));
+    let unsupported = || ColladaError::Unsupported("accessor without X, Y and Z".to_owned());
+    match (place("X"), place("Y"), place("Z")) {
+        (Some(x), Some(y), Some(z)) => Ok([x, y, z]),
+        _ => Err(unsupported()),
+    }
+}
+
+/// Refuses a primitive whose data are more or fewer than it states.
+fn check_count(primitive: Node, loops: &[Vec<usize>]) -> Result<(), ColladaError> {
+    let is_list = primitive.has_tag_name_local("triangles");
+    let corners: usize = loops.iter().map(Vec::len).sum();
+    if is_list && !corners.is_multiple_of(3) {
+        return Err(wrong_numbers(primitive));
+    }
+    let found = if is_list { corners / 3 } else { loops.len() };
+    let stated = index(primitive, "count", found)?;
+    let element = || primitive.tag_name().name().to_owned();
+    if stated == found { Ok(()) } else { Err(ColladaError::Count { element: element(), stated, found }) }
 }
 
 /// Returns the transform of an element of a node.
@@ -243,20 +286,23 @@ fn loops(primitive: Node) -> Result<Vec<Vec<usize>>, ColladaError> {
     // A polygon with holes keeps its outline in <ph>.
     let lists = primitive.descendants().filter(|node| node.has_tag_name_local("p"));
     let list = |node: Node| -> Result<Vec<usize>, ColladaError> {
-        Ok(numbers(node)?.into_iter().skip(at).step_by(stride).collect())
+        let indices: Vec<usize> = numbers(node)?;
+        let is_whole = indices.len().is_multiple_of(stride);
+        if is_whole { Ok(indices.into_iter().skip(at).step_by(stride).collect()) } else { Err(wrong_numbers(node)) }
     };
-    let mut lists = lists.map(list).collect::<Result<Vec<_>, _>>()?;
+    let lists = lists.map(list).collect::<Result<Vec<_>, _>>()?;
     let Some(sizes) = child(primitive, "vcount").filter(|_| primitive.has_tag_name_local("polylist")) else {
         return Ok(lists);
     };
-    let all = lists.pop().unwrap_or_default();
+    let all = lists.concat();
     let mut rest = all.as_slice();
     let polygon = |size: usize| -> Result<Vec<usize>, ColladaError> {
         let (own, after) = rest.split_at_checked(size).ok_or_else(|| wrong_numbers(sizes))?;
         rest = after;
         Ok(own.to_vec())
     };
-    numbers(sizes)?.into_iter().map(polygon).collect()
+    let polygons = numbers(sizes)?.into_iter().map(polygon).collect::<Result<_, _>>()?;
+    if rest.is_empty() { Ok(polygons) } else { Err(wrong_numbers(sizes)) }
 }
 
 #[cfg(test)]

@@ -101,6 +101,52 @@ fn what_could_stand_elsewhere_is_refused() {
 }
 
 #[test]
+fn a_comment_inside_a_list_drops_no_number() {
+    let commented = POLYGON.replace("7 1 7 2", "7 1 <!-- half --> 7 2").replace("<vcount>4", "<vcount><!-- four -->4");
+    assert_eq!(corners(&file(&commented, PLAIN)), corners(&file(POLYGON, PLAIN)));
+    let text = file(POLYGON, PLAIN).replace("1 1 0 8 0", "1 1 <!-- half -->0 8 0");
+    assert_eq!(corners(&text), corners(&file(POLYGON, PLAIN)));
+}
+
+#[test]
+fn an_accessor_says_by_name_where_the_coordinates_stand() {
+    let with_parameters = |parameters: &str| {
+        file(POLYGON, PLAIN).replace(
+            r##"<accessor source="#list" count="4" stride="4" offset="1"/>"##,
+            &format!(r##"<accessor source="#list" count="4" stride="4" offset="0">{parameters}</accessor>"##),
+        )
+    };
+    let named = |name: &str| format!(r#"<param name="{name}" type="float"/>"#);
+    let unnamed = r#"<param type="float"/>"#;
+    let in_order = with_parameters(&(unnamed.to_owned() + &["X", "Y", "Z"].map(named).concat()));
+    assert_eq!(corners(&in_order), corners(&file(POLYGON, PLAIN)));
+    let reversed = with_parameters(&(unnamed.to_owned() + &["Z", "Y", "X"].map(named).concat()));
+    let swapped = corners(&file(POLYGON, PLAIN)).into_iter().map(|point| Vector3::new(point.z, point.y, point.x));
+    assert_eq!(corners(&reversed), swapped.collect::<Vec<_>>());
+    let refused = ColladaError::Unsupported("accessor without X, Y and Z".to_owned());
+    assert_eq!(read(&with_parameters(&["S", "T", "P"].map(named).concat())), Err(refused));
+}
+
+#[test]
+fn a_primitive_with_another_count_than_it_states_is_refused() {
+    let input = r##"<input semantic="VERTEX" source="#points" offset="0"/>"##;
+    let refused = |primitive: &str| read(&file(primitive, PLAIN)).unwrap_err();
+    let count = |element: &str, stated, found| ColladaError::Count { element: element.to_owned(), stated, found };
+    let numbers = |element: &str| ColladaError::Numbers(element.to_owned());
+    let triangles = format!(r#"<triangles count="2">{input}<p>0 1 2 0 2 3</p></triangles>"#);
+    assert_eq!(read(&file(&triangles, PLAIN)).unwrap().len(), 2);
+    assert_eq!(refused(&triangles.replace(" 0 2 3", "")), count("triangles", 2, 1));
+    assert_eq!(refused(&triangles.replace(" 3<", "<")), numbers("triangles"));
+    assert_eq!(
+        refused(&format!(r#"<tristrips count="2">{input}<p>0 1 2 3</p></tristrips>"#)),
+        count("tristrips", 2, 1)
+    );
+    assert_eq!(refused(&POLYGON.replace(r#"count="1""#, r#"count="2""#)), count("polylist", 2, 1));
+    assert_eq!(refused(&POLYGON.replace("<vcount>4<", "<vcount>3<")), numbers("vcount"));
+    assert_eq!(refused(&POLYGON.replace("7 3<", "7<")), numbers("p"));
+}
+
+#[test]
 fn nodes_that_name_others_twice_end_soon() {
     let doubled = (0..30).map(|k| {
         let next = k + 1;
