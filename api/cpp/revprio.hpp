@@ -405,7 +405,9 @@ public:
                                         std::to_string(velocity_.size()) + " joints");
         const auto expires_at = measured_at + std::chrono::milliseconds(answer.at("valid_for_ms").get<long>());
         if (now > expires_at || measured_at < measured_at_) return false;
-        resumes_ = resumes_ || (is_commanded_ && commanded_at_ > expires_at_);
+        // Before the first answer there is no ramp to return from: the service counts with its answer at once.
+        resumes_ = resumes_ || (has_answer_ && is_commanded_ && commanded_at_ > expires_at_);
+        has_answer_ = true;
         velocity_ = std::move(velocity);
         measured_at_ = measured_at;
         expires_at_ = expires_at;
@@ -471,6 +473,7 @@ private:
     Clock::time_point expires_at_{};
     Clock::time_point commanded_at_{};
     bool is_commanded_ = false;
+    bool has_answer_ = false;
     bool resumes_ = false; ///< Whether commands must return from the last command to the answers.
 };
 

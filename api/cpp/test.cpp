@@ -136,6 +136,10 @@ void watchdog() {
     };
     check(is_close(revprio::Watchdog({2, 4}).command(at(0)), 0, 0) && revprio::Watchdog({2, 4}).is_at_rest(at(0)),
           "nothing moves before the first answer");
+    revprio::Watchdog first({2, 4});
+    first.command(at(-50));
+    first.obey(answer, at(0), at(10));
+    check(is_close(first.command(at(10)), 0.4, -0.1), "the first answer counts at once although rest was commanded before");
     revprio::Watchdog dog({2, 4});
     check(!dog.obey(answer, at(0), at(101)), "an expired answer is ignored");
     check(dog.obey(answer, at(0), at(1)) && !dog.obey(answer, at(-1), at(1)), "an answer to an older state is ignored");

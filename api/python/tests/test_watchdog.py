@@ -16,6 +16,15 @@ def test_nothing_moves_before_the_first_answer() -> None:
     assert watchdog.is_at_rest(0.0)
 
 
+def test_the_first_answer_counts_at_once_although_rest_was_commanded_before() -> None:
+    # The service takes its first answer for the command; a slower one would stay behind for ever.
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.command(9.0)
+    watchdog.command(10.0)
+    watchdog.obey(ANSWER, 10.0, 10.01)
+    np.testing.assert_array_equal(watchdog.command(10.01), [0.4, -0.1])
+
+
 def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit() -> None:
     watchdog = Watchdog([2.0, 4.0])
     watchdog.obey(ANSWER, 10.0, 10.0)

@@ -54,7 +54,9 @@ export class Watchdog {
     }
     const expiresAtMs = measuredAtMs + answer.valid_for_ms;
     if (nowMs > expiresAtMs || measuredAtMs < this.#measuredAtMs) return false;
-    this.#resumes ||= this.#commandedAtMs - this.#expiresAtMs > ROUNDING_S * 1e3;
+    // Before the first answer there is no ramp to return from: the service counts with its answer at once.
+    const isFirst = this.#expiresAtMs === -Infinity;
+    this.#resumes ||= !isFirst && this.#commandedAtMs - this.#expiresAtMs > ROUNDING_S * 1e3;
     this.#velocity = velocity;
     this.#measuredAtMs = measuredAtMs;
     this.#expiresAtMs = expiresAtMs;

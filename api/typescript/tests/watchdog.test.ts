@@ -15,6 +15,13 @@ test("nothing moves before the first answer", () => {
   assert.ok(watchdog.isAtRest(0));
 });
 
+test("the first answer counts at once although rest was commanded before", () => {
+  const watchdog = new Watchdog([2, 4]);
+  assertClose(watchdog.command(900), [0, 0]);
+  assert.ok(watchdog.obey(ANSWER, 1000, 1010));
+  assertClose(watchdog.command(1010), [0.4, -0.1]);
+});
+
 test("an answer is held while valid, then each joint brakes at its own limit", () => {
   const watchdog = new Watchdog([2, 4]);
   assert.ok(watchdog.obey(ANSWER, 1000, 1010));

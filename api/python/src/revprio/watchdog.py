@@ -60,7 +60,9 @@ class Watchdog:
         expires_at_s = measured_at_s + answer.valid_for_ms / 1e3
         if now_s > expires_at_s or measured_at_s < self._measured_at_s:
             return False
-        self._resumes |= self._commanded_at_s - self._expires_at_s > ROUNDING_S
+        # Before the first answer there is no ramp to return from: the service counts with its answer at once.
+        is_first = not np.isfinite(self._expires_at_s)
+        self._resumes |= not is_first and self._commanded_at_s - self._expires_at_s > ROUNDING_S
         self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
         self._deceleration = self._decelerations(answer)
         return True
