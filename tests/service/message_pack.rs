@@ -143,6 +143,21 @@ fn message_pack_is_refused_like_json() {
     }
 }
 
+/// In JSON such a body is refused, too.
+#[test]
+fn a_field_that_is_there_twice_is_refused() {
+    let service = Service::start();
+    let body = packed(&example("kinematics.json"));
+    // A map of fewer than 16 entries has its length in the low four bits of its first byte.
+    assert_eq!(body[0] & 0xf0, 0x80);
+    let mut twice = vec![body[0] + 1];
+    twice
+        .extend(packed(&json!("robot")).into_iter().chain(packed(&json!("nonsense"))).chain(body[1..].iter().copied()));
+    let (status, _, problem) = post(&service, "/v1/kinematics", &[("content-type", MESSAGE_PACK)], &twice);
+    assert_eq!(status, 400, "{problem}");
+    assert_eq!(problem["detail"], "give the field `robot` only once");
+}
+
 #[test]
 fn truncated_and_extended_bytes_are_refused() {
     let service = Service::start();

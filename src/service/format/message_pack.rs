@@ -7,6 +7,7 @@ use std::fmt;
 use std::io::Cursor;
 
 use revprio_api::wire::Object;
+use revprio_api::wire::read_error::in_plain_words;
 use revprio_local::json::{self, pointer};
 use rmp_serde::decode::{Deserializer, Error};
 use serde::de::{DeserializeOwned, MapAccess, SeqAccess, Visitor};
@@ -23,7 +24,11 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     match rmp_serde::from_slice(bytes) {
         Ok(Object(value)) => Ok(value),
         // Reads the same body as JSON, which finds the place of the error. A correct body does not pay for it.
-        Err(_) => json::explain(&as_json(bytes)?).map_err(|error| error.map_detail(without_position)),
+        Err(cause) => match json::explain::<T>(&as_json(bytes)?) {
+            Err(error) => Err(error.map_detail(without_position)),
+            // A field that is there twice is lost on the way to JSON.
+            Ok(_) => Err(ApiError::malformed(in_plain_words(&cause.to_string()))),
+        },
     }
 }
 
