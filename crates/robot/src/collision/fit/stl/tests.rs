@@ -11,9 +11,10 @@ fn triangles(count: usize) -> Vec<Triangle> {
 }
 
 /// A binary file of these triangles.
+#[expect(clippy::cast_possible_truncation, reason = "single precision represents the coordinates")]
 fn binary(header: &str, triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = format!("{header:80}").into_bytes();
-    bytes.extend((triangles.len() as u32).to_le_bytes());
+    bytes.extend(u32::try_from(triangles.len()).unwrap().to_le_bytes());
     for triangle in triangles {
         let numbers = [0.0, 0.0, 1.0].iter().chain(triangle.iter().flatten());
         bytes.extend(numbers.flat_map(|number| (*number as f32).to_le_bytes()));
