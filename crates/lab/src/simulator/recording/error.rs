@@ -64,6 +64,17 @@ pub enum ReadError {
     /// The description of the run is not valid.
     #[error("the description of the run is not valid: {0}")]
     Description(serde_json::Error),
+    /// The table has another number of periods than the description of the run.
+    #[error(
+        "it has {found} periods, but the description of the run next to it states {stated}; a part of the file is lost, or it is that of \
+         another run"
+    )]
+    Periods {
+        /// Number in the description.
+        stated: usize,
+        /// Number in the table.
+        found: usize,
+    },
     /// A line is not valid.
     #[error("line {line}: {source}")]
     Line {

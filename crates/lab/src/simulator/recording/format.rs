@@ -95,7 +95,7 @@ impl Format {
     /// Writes a recording to a file, and the description of the run to another file if the format needs it.
     pub fn write_file(self, recording: &Recording, timed: bool, path: &Path) -> Result<(), WriteError> {
         if self.has_sidecar() {
-            std::fs::write(sidecar(path), description::to_json(recording, timed)?)?;
+            std::fs::write(sidecar(path), description::to_sidecar_json(recording, timed)?)?;
         }
         self.write_all(recording, timed, BufWriter::new(File::create(path)?))
     }
@@ -119,8 +119,40 @@ pub fn read(path: &Path) -> Result<Recording, ReadError> {
     let sidecar = sidecar(path);
     let text = std::fs::read_to_string(&sidecar).map_err(|source| ReadError::Sidecar { path: sidecar, source })?;
     let description = description::from_json(&text)?;
-    match format {
+    let recording = match format {
         Format::Csv => csv_table::read(description, file),
         _ => json_lines::read(description, file),
+    }?;
+    description::check_periods(&text, &recording)?;
+    Ok(recording)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::recording::Sample;
+
+    #[test]
+    fn a_table_with_other_lines_than_its_description_states_is_refused() {
+        let directory = std::env::temp_dir().join(format!("revprio-periods-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).unwrap();
+        let recording = Recording { samples: vec![Sample::at_rest(); 5], ..Recording::empty() };
+        for format in [Format::Csv, Format::JsonLines] {
+            let path = directory.join(format!("run.{format}"));
+            format.write_file(&recording, false, &path).unwrap();
+            assert_eq!(read(&path).unwrap().samples.len(), 5);
+            let text = std::fs::read_to_string(&path).unwrap();
+            let lines: Vec<&str> = text.lines().collect();
+            let (shorter, longer) = (&lines[..lines.len() - 2], [&lines[..], &lines[lines.len() - 1..]].concat());
+            for (lines, count) in [(shorter, 3), (&longer, 6)] {
+                std::fs::write(&path, lines.join("\n")).unwrap();
+                let error = read(&path).unwrap_err();
+                assert!(matches!(error, ReadError::Periods { stated: 5, found } if found == count), "{error}");
+            }
+            // Older descriptions do not state the number.
+            std::fs::write(sidecar(&path), description::to_json(&recording, false).unwrap()).unwrap();
+            assert_eq!(read(&path).unwrap().samples.len(), 6);
+        }
+        std::fs::remove_dir_all(&directory).unwrap();
     }
 }
