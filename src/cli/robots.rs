@@ -8,7 +8,7 @@ use super::known::known_robot;
 use super::output::print_text;
 use super::robot::RobotArgument;
 use super::text::{WIDTH, columns, wrapped};
-use crate::service::shapes_answer;
+use crate::service::{Robots, shapes_answer};
 
 #[derive(Debug, clap::Args)]
 pub struct Options {
@@ -47,6 +47,8 @@ pub fn run(options: &Options) -> Result<(), CliError> {
         }
         Command::Check { robot } => {
             let robot = robot.read()?;
+            // `serve` refuses a name that is not valid or that of a built-in robot.
+            Robots::built_in().with(robot.clone())?;
             shown(&robot) + "\n" + &remarks(&robot) + &shapes(&robot)
         }
         Command::Fit { robot } => {

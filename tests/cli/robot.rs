@@ -187,6 +187,19 @@ fn tips_beside_the_file_make_a_robot_of_all_arms() {
     assert!(refused.contains("`tool` is the name of"), "{refused}");
 }
 
+#[test]
+fn check_refuses_the_names_that_serve_refuses() {
+    let named = |name: &str| format!("examples/robots/duo.urdf,tip=left_hand,name={name}");
+    for name in ["my arm", "a/b", "", "panda"] {
+        let refused = failure(&["robots", "check", &named(name)]);
+        assert!(refused.contains("write `FILE,name=NAME`"), "{name}: {refused}");
+        // `serve` writes its log before the error.
+        let served = failure(&["serve", "--listen", "127.0.0.1:0", "--robot", &named(name)]);
+        assert!(served.ends_with(&refused), "{served}");
+    }
+    assert!(success(&["robots", "check", &named("my_duo")]).contains("my_duo: joints"));
+}
+
 /// A cube of 0.1 m in the format STL.
 fn cube() -> String {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| if bit == 1 { "0.1" } else { "0" }).join(" ");
