@@ -7,6 +7,7 @@ use revprio_api::wire::{
 };
 
 use super::error::CliError;
+use super::finite::finite;
 use super::output::print_text;
 use super::service_choice::server_address;
 use super::target::Target;
@@ -43,10 +44,10 @@ pub struct Options {
     #[arg(long)]
     base_axes: bool,
     /// Noise of a force reading, rms, N
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     force_noise_n: Option<f64>,
     /// Noise of a torque reading, rms, N·m
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     torque_noise_nm: Option<f64>,
     /// Service to call, for example http://127.0.0.1:8080, with the token in the file `REVPRIO_TOKEN_FILE` if that is set; if
     /// left out, the command starts its own

@@ -105,6 +105,8 @@ impl Press {
             (self.max_force, range("--max-force", ["N", "N·m"], 1e-3, 1e4)),
         ];
         range("--newtons", ["N", "N·m"], 1e-3, 2000.0).check_magnitude(self.newtons)?;
+        check_finite("--period-s", self.period_s)?;
+        check_finite("--lag-s", self.lag_s)?;
         given.iter().try_for_each(|(value, range)| value.map_or(Ok(()), |value| range.check(value)))
     }
 
@@ -132,6 +134,13 @@ impl Press {
         }
         Ok(())
     }
+}
+
+/// Refuses a number that JSON cannot represent. The service refuses other numbers itself.
+fn check_finite(option: &str, value: f64) -> Result<(), CliError> {
+    let refusal =
+        || CliError::Option { option: option.to_owned(), detail: format!("give a finite number, not {value}") };
+    value.is_finite().then_some(()).ok_or_else(refusal)
 }
 
 /// Names the option that a refused field comes from.
@@ -188,6 +197,7 @@ pub fn run_wipe(options: &SweepOptions) -> Result<(), CliError> {
     press.check_sizes()?;
     STROKE.check_magnitude(*stroke_m)?;
     SPEED.check(*speed)?;
+    check_finite("--start-time-s", *start_time_s)?;
     max_tilt_rad.map_or(Ok(()), |tilt| TILT.check(tilt))?;
     let wiping = WipeOptions {
         press: press.options(),

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use revprio_api::wire::{CollisionPairs, LinkShape, Pose, RegisteredTip, RobotRegistration, ShapeSource, StatedLimits};
 use revprio_api::{Client, ClientError};
+use revprio_local::json;
 use revprio_robot::collision::MeshDirectory;
 use revprio_robot::{Overrides, RobotFileError, RobotModel, UrdfOptions, UrdfTreeOptions, from_file, tree_from_file};
 use serde::{Deserialize, Serialize};
@@ -220,7 +221,7 @@ impl RobotArgument {
     fn overrides_file(&self) -> Result<OverridesFile, RobotArgumentError> {
         let Some(path) = &self.overrides else { return Ok(OverridesFile::default()) };
         let text = std::fs::read_to_string(path).map_err(|error| self.wrong_overrides(error.to_string()))?;
-        serde_json::from_str(&text).map_err(|error| self.wrong_overrides(error.to_string()))
+        json::read(text.as_bytes()).map_err(|error| self.wrong_overrides(error.to_string()))
     }
 
     fn wrong_overrides(&self, message: String) -> RobotArgumentError {

@@ -55,6 +55,8 @@ fn poor_readings_and_broken_tables_are_refused_with_the_place() {
     refused(&format!("{HEADER}\n1,2,3,4,5,six"), "`six` in `torque_z` is not a number");
     refused(&format!("{HEADER}\n1,2,3,4,nan,6"), "`nan` in `torque_y` is not a number");
     refused(&format!("{HEADER},j1\n1,2,3,4,5,6,0\n"), "`joint_position` needs the name of a `robot`");
+    let no_noise = failure(&["payload", EXAMPLE, "--torque-noise-nm=0"]);
+    assert!(no_noise.contains("/torque_noise_nm") && no_noise.contains("positive"), "{no_noise}");
     // Without --on-tool the sign is the other one.
     refused(&table(), "the other sign");
     refused(&table().lines().take(4).collect::<Vec<_>>().join("\n"), "3 readings; give at least six");
@@ -97,6 +99,8 @@ fn mounting_and_place_of_a_sensor_are_stated_beside_a_table() {
         ("--gravity", "0,down,0", "three numbers"),
         ("--gravity", "0,1e999,0", "three numbers"),
         ("--pose", "0,0,0.1", "orientation"),
+        ("--force-noise-n", "nan", "finite number"),
+        ("--torque-noise-nm", "inf", "finite number"),
     ] {
         let output = program(&[common, &[option, value]].concat()).output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();

@@ -95,6 +95,17 @@ fn sizes_that_no_arm_has_are_refused_with_option_value_unit_and_range() {
 }
 
 #[test]
+fn a_time_that_is_not_finite_is_refused_at_its_option() {
+    let wipe = ["wipe", "--robot", "panda", "--axis", "z", "--newtons", "5", "--along", "x"];
+    for option in ["--period-s", "--lag-s", "--start-time-s"] {
+        for (value, shown) in [("nan", "NaN"), ("inf", "inf"), ("-inf", "-inf")] {
+            let error = failure(&[&wipe[..], &[option, value]].concat());
+            assert_eq!(error, format!("error: {option}: give a finite number, not {shown}\n"));
+        }
+    }
+}
+
+#[test]
 fn a_tilt_around_an_axis_of_rotation_is_told_by_the_name_of_the_option() {
     let error = failure(&[
         "wipe",

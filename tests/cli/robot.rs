@@ -125,7 +125,7 @@ fn overrides_are_read_from_a_file() {
         failure(&["serve", "--listen", "127.0.0.1:0", "--robot", &format!("{urdf},overrides={file}")])
     };
     assert!(serve("{").contains("wrong.json"));
-    assert!(serve(r#"{"limit": {}}"#).contains("unknown field `limit`"));
+    assert!(serve(r#"{"limit": {}}"#).contains("there is no field `limit`; did you mean `limits`?"));
     assert!(serve(r#"{"limits": {"nose": {}}}"#).contains("`limits` has a joint `nose`"));
     let rows = format!("fixtures/robots/sawyer_dh.toml,overrides={json}");
     assert!(failure(&["serve", "--robot", &rows]).contains("`base` and `tip` are for .urdf"));
@@ -181,6 +181,9 @@ fn tips_beside_the_file_make_a_robot_of_all_arms() {
     assert!(shown.contains("joints 7") && shown.contains("right_wrist"), "{shown}");
     let both = failure(&["robots", "check", &format!("{urdf},tip=left_hand,overrides={tips}")]);
     assert!(both.contains("give either `tip` or `tips`"), "{both}");
+    let three = scratch.write("three.json", r#"{"limits": {"elbow": {"position": [-1, 1, 2]}}}"#);
+    let refused = failure(&["robots", "check", &format!("{urdf},overrides={three}")]);
+    assert!(refused.contains("/limits/elbow/position: give a list of 2 entries, not of 3"), "{refused}");
     overrides["tips"][1]["name"] = "tool".into();
     let taken = scratch.write("taken.json", &overrides.to_string());
     let refused = failure(&["robots", "check", &format!("{urdf},overrides={taken}")]);

@@ -270,6 +270,7 @@ fn poor_readings_are_refused_with_the_posture_to_add() {
     assert!(answer.text.contains("add a posture with gravity along"), "{}", answer.text);
     for (change, pointer) in [
         (json!({"force_noise_n": 0}), "/force_noise_n"),
+        (json!({"torque_noise_nm": 0}), "/torque_noise_nm"),
         (json!({"robot": "nobody"}), "/robot"),
         (json!({"robot": null}), "/readings/0"),
         (json!({"readings": []}), "/readings"),

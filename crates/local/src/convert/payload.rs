@@ -89,6 +89,7 @@ impl<'a> Sensor<'a> {
 
 fn refused(error: &PayloadError, request: &wire::PayloadRequest) -> ApiError {
     let pointer = match error {
+        PayloadError::Noise if request.force_noise_n > 0.0 => "/torque_noise_nm".to_owned(),
         PayloadError::Noise => "/force_noise_n".to_owned(),
         // The numbers of the request are finite, so this is gravity.
         PayloadError::NotFinite { reading } if request.readings[*reading].gravity.is_none() => "/gravity".to_owned(),

@@ -8,7 +8,7 @@ use revprio_robot::{
 
 use super::checks::{Inside, Result, check, check_name, each};
 use super::collisions::{shapes_answer, srdf, with_shapes};
-use super::numbers::{MAX_JOINTS, check_numbers};
+use super::numbers::{MAX_JOINTS, check_numbers, number};
 use super::pose::pose;
 use super::terms;
 use crate::error::{ApiError, escape_pointer};
@@ -109,18 +109,10 @@ fn registered_tip(tip: &wire::RegisteredTip) -> Result<UrdfTip<'_>> {
 /// Reads the values of a registration that replace those of its text.
 pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides> {
     let limit = |(joint, stated): (&String, &wire::StatedLimits)| {
+        check_limits(stated).map_err(|error| error.inside(&format!("/limits/{}", escape_pointer(joint))))?;
         let wire::StatedLimits { position, velocity, acceleration, jerk, velocity_envelope } = *stated;
         let envelope = velocity_envelope
             .map(|wire| VelocityEnvelope { deceleration: wire.deceleration_limit, offset: wire.velocity_offset });
-        let numbers = position
-            .into_iter()
-            .flatten()
-            .chain(velocity)
-            .chain(acceleration)
-            .chain(jerk)
-            .chain(envelope.iter().flat_map(|envelope| [envelope.deceleration, envelope.offset]));
-        check_numbers(&numbers.collect::<Vec<f64>>(), "")
-            .map_err(|error| error.inside(&format!("/limits/{}", escape_pointer(joint))))?;
         Ok((joint.clone(), LimitOverride { position, velocity, acceleration, jerk, envelope }))
     };
     Ok(Overrides {
@@ -128,6 +120,23 @@ pub fn overrides(request: &wire::RobotRegistration) -> Result<Overrides> {
         joint_names: request.joint_names.clone().unwrap_or_default(),
         tool_offset: request.tool_offset.as_ref().map(pose).transpose().inside("/tool_offset")?,
     })
+}
+
+fn check_limits(stated: &wire::StatedLimits) -> Result<()> {
+    if let Some(position) = &stated.position {
+        check_numbers(position, "/position")?;
+    }
+    let (deceleration, offset) =
+        stated.velocity_envelope.map(|envelope| (envelope.deceleration_limit, envelope.velocity_offset)).unzip();
+    let places = [
+        (stated.velocity, "/velocity"),
+        (stated.acceleration, "/acceleration"),
+        (stated.jerk, "/jerk"),
+        (deceleration, "/velocity_envelope/deceleration_limit"),
+        (offset, "/velocity_envelope/velocity_offset"),
+    ];
+    let given = places.into_iter().filter_map(|(value, place)| Some((value?, place)));
+    given.into_iter().try_for_each(|(value, place)| number(value, place).map(drop))
 }
 
 fn urdf_error(request: &wire::RobotRegistration, error: &UrdfError) -> ApiError {
@@ -224,5 +233,34 @@ fn joint_answer(joint: &Joint) -> wire::RobotJoint {
             alpha_rad: row.alpha,
             theta_rad: row.theta,
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::overrides;
+
+    #[test]
+    fn a_limit_that_is_too_large_is_refused_at_its_field() {
+        for (limits, field) in [
+            (json!({"position": [-1, 1e300]}), "position/1"),
+            (json!({"velocity": 1e300}), "velocity"),
+            (json!({"position": [-1, 1], "acceleration": 1e300}), "acceleration"),
+            (json!({"jerk": -1e300}), "jerk"),
+            (
+                json!({"velocity_envelope": {"deceleration_limit": 1e300, "velocity_offset": 0}}),
+                "velocity_envelope/deceleration_limit",
+            ),
+            (
+                json!({"velocity_envelope": {"deceleration_limit": 1, "velocity_offset": 1e300}}),
+                "velocity_envelope/velocity_offset",
+            ),
+        ] {
+            let registration = json!({"name": "a", "urdf": "", "limits": {"elbow": limits}});
+            let error = overrides(&serde_json::from_value(registration).unwrap()).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("/limits/elbow/{field}: ")), "{error}");
+        }
     }
 }
