@@ -11,7 +11,7 @@ use crate::simulator::recording::ReadError;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file or the directory cannot be written.
-    #[error("cannot write {}", path.display())]
+    #[error("cannot write {}: {source}", path.display())]
     Write {
         /// The file or directory.
         path: PathBuf,
@@ -49,7 +49,7 @@ pub enum Error {
     #[error("the embedded font cannot be read")]
     Font,
     /// The drawing library reported an error.
-    #[error("cannot draw {figure}")]
+    #[error("cannot draw {figure}: {source}")]
     Draw {
         /// Name of the figure.
         figure: String,
@@ -57,7 +57,7 @@ pub enum Error {
         source: DrawingAreaErrorKind<io::Error>,
     },
     /// A figure cannot be rendered as PNG.
-    #[error("cannot render {figure} as PNG")]
+    #[error("cannot render {figure} as PNG: {source}")]
     Png {
         /// Name of the figure.
         figure: String,

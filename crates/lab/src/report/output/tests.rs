@@ -74,11 +74,12 @@ fn same_report_gives_the_same_picture() {
 }
 
 #[test]
-fn error_names_the_path_and_keeps_its_source() {
+fn error_names_the_path_and_the_cause() {
     let file = directory("file");
     fs::write(&file, "").unwrap();
     let error = write(&file, &report(), &ALL).unwrap_err();
     assert!(error.to_string().contains(&file.display().to_string()));
-    assert!(std::error::Error::source(&error).is_some());
+    let source = std::error::Error::source(&error).unwrap();
+    assert!(error.to_string().ends_with(&source.to_string()), "{error}");
     fs::remove_file(file).unwrap();
 }

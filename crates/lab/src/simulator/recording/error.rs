@@ -1,7 +1,10 @@
 //! Errors of reading and writing recordings.
 
+use std::error::Error;
 use std::io;
 use std::path::PathBuf;
+
+use mcap::McapError;
 
 /// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -19,11 +22,16 @@ pub enum WriteError {
     #[error("{0}")]
     Parquet(#[from] parquet::errors::ParquetError),
     /// The MCAP file cannot be written.
-    #[error("{0}")]
-    Mcap(#[from] mcap::McapError),
+    #[error("{}", with_cause(.0))]
+    Mcap(#[from] McapError),
     /// A message of the MCAP file cannot be encoded.
     #[error("a message cannot be encoded")]
     Message,
+}
+
+/// Returns the text of an error with its cause: that a disk is full, the error itself does not say.
+fn with_cause(error: &McapError) -> String {
+    error.source().map_or_else(|| error.to_string(), |cause| format!("{error}: {cause}"))
 }
 
 impl From<WriteError> for io::Error {
@@ -90,8 +98,8 @@ pub enum ReadError {
     #[error("{0}")]
     Parquet(#[from] parquet::errors::ParquetError),
     /// The MCAP file is not valid.
-    #[error("{0}")]
-    Mcap(#[from] mcap::McapError),
+    #[error("{}", with_cause(.0))]
+    Mcap(#[from] McapError),
     /// A column is missing.
     #[error("there is no column `{column}`")]
     Column {

@@ -129,8 +129,31 @@ pub fn read(path: &Path) -> Result<Recording, ReadError> {
 
 #[cfg(test)]
 mod tests {
+    use std::io;
+
     use super::*;
     use crate::simulator::recording::Sample;
+
+    struct FullDisk;
+
+    impl Write for FullDisk {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_error_of_a_full_disk_says_so() {
+        let recording = Recording { samples: vec![Sample::at_rest(); 5], ..Recording::empty() };
+        for format in Format::ALL {
+            let error = format.write_all(&recording, false, FullDisk).unwrap_err().to_string();
+            assert!(error.contains(&io::Error::from(io::ErrorKind::StorageFull).to_string()), "{format}: {error}");
+        }
+    }
 
     #[test]
     fn a_table_with_other_lines_than_its_description_states_is_refused() {
