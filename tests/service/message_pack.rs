@@ -154,7 +154,7 @@ fn a_field_that_is_there_twice_is_refused() {
     twice
         .extend(packed(&json!("robot")).into_iter().chain(packed(&json!("nonsense"))).chain(body[1..].iter().copied()));
     let (status, _, problem) = post(&service, "/v1/kinematics", &[("content-type", MESSAGE_PACK)], &twice);
-    assert_eq!(status, 400, "{problem}");
+    assert_eq!(status, 422, "{problem}");
     assert_eq!(problem["detail"], "give the field `robot` only once");
 }
 

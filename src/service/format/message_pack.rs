@@ -27,7 +27,7 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
         Err(cause) => match json::explain::<T>(&as_json(bytes)?) {
             Err(error) => Err(error.map_detail(without_position)),
             // A field that is there twice is lost on the way to JSON.
-            Ok(_) => Err(ApiError::malformed(in_plain_words(&cause.to_string()))),
+            Ok(_) => Err(ApiError::invalid("", in_plain_words(&cause.to_string()))),
         },
     }
 }

@@ -3230,12 +3230,17 @@ class LinkShape(Body):
     Fields:
 
     - link: Link that carries it.
+    - body: Link of the robot's text that it covers, if that is no link of the robot and fixed joints connect it
+      with `link`: a hand beyond the tip. The SRDF text names it.
     - capsule: A capsule; either this or `sphere`.
     - sphere: A sphere; either this or `capsule`.
     """
 
     link: str
     """Link that carries it."""
+    body: str | None = None
+    """Link of the robot's text that it covers, if that is no link of the robot and fixed joints connect it with `link`:
+    a hand beyond the tip. The SRDF text names it."""
     capsule: Capsule | None = None
     """A capsule; either this or `sphere`."""
     sphere: Sphere | None = None
