@@ -99,7 +99,7 @@ fn a_time_that_is_not_finite_is_refused_at_its_option() {
     let wipe = ["wipe", "--robot", "panda", "--axis", "z", "--newtons", "5", "--along", "x"];
     for option in ["--period-s", "--lag-s", "--start-time-s"] {
         for (value, shown) in [("nan", "NaN"), ("inf", "inf"), ("-inf", "-inf")] {
-            let error = failure(&[&wipe[..], &[option, value]].concat());
+            let error = failure(&[&wipe[..], &[&format!("{option}={value}")]].concat());
             assert_eq!(error, format!("error: {option}: give a finite number, not {shown}\n"));
         }
     }

@@ -41,7 +41,7 @@ pub enum ColladaError {
     #[error("<{0}> must contain finite numbers, as many as its kind needs")]
     Numbers(String),
     /// An element has another number of triangles, strips, fans or polygons than it states.
-    #[error("<{element}> states count=\"{stated}\" and has {found}; is the file cut?")]
+    #[error("<{element}> states count=\"{stated}\" and has {found}, perhaps because the file is cut")]
     Count {
         /// The element.
         element: String,
