@@ -404,10 +404,10 @@ public:
             throw std::invalid_argument(std::to_string(velocity.size()) + " joint velocities for " +
                                         std::to_string(velocity_.size()) + " joints");
         const auto expires_at = measured_at + std::chrono::milliseconds(answer.at("valid_for_ms").get<long>());
+        const bool is_first = !std::exchange(has_answer_, true);
         if (now > expires_at || measured_at < measured_at_) return false;
         // Before the first answer there is no ramp to return from: the service counts with its answer at once.
-        resumes_ = resumes_ || (has_answer_ && is_commanded_ && commanded_at_ > expires_at_);
-        has_answer_ = true;
+        resumes_ = resumes_ || (!is_first && is_commanded_ && commanded_at_ > expires_at_);
         velocity_ = std::move(velocity);
         measured_at_ = measured_at;
         expires_at_ = expires_at;

@@ -140,6 +140,10 @@ void watchdog() {
     first.command(at(-50));
     first.obey(answer, at(0), at(10));
     check(is_close(first.command(at(10)), 0.4, -0.1), "the first answer counts at once although rest was commanded before");
+    revprio::Watchdog second({2, 4});
+    second.command(at(-100));
+    check(!second.obey(answer, at(-200), at(-50)) && second.obey(answer, at(0), at(0)), "an expired first answer is ignored");
+    check(is_close(second.command(at(0)), 0.2, -0.1), "an answer after an expired first one is reached evenly");
     revprio::Watchdog dog({2, 4});
     check(!dog.obey(answer, at(0), at(101)), "an expired answer is ignored");
     check(dog.obey(answer, at(0), at(1)) && !dog.obey(answer, at(-1), at(1)), "an answer to an older state is ignored");

@@ -159,6 +159,11 @@ fn pairs_and_shapes_of_a_link_are_not_those_of_what_is_fixed_to_it() {
         assert_eq!(&listed, fitted, "the list has the same pairs as the shapes that it lists");
         assert!(fitted["shape_list"].to_string().contains(r#""body":"right_hand""#), "{fitted}");
     }
+    // A shape of the hand covers the hand alone.
+    let only_hand = json!({"shapes": null, "shape_list": [{"link": "right_lower", "body": "right_hand", "sphere": {"radius": 0.1}}]});
+    let (_, shapes_of_hand) = watched("only_hand", &only_hand);
+    let bare = shapes_of_hand["uncovered_links"].to_string();
+    assert!(bare.contains("right_lower") && !bare.contains("right_hand"), "{bare}");
     let other = json!([{"link": "right_upper", "body": "right_hand", "sphere": {"radius": 0.12}}]);
     let robot = json!({"name": "other", "urdf": text, "tip": "right_lower", "shape_list": other});
     service.post("/v1/robots", &robot.to_string()).assert_refused(422, Some("/shape_list/0/body"));

@@ -17,12 +17,21 @@ def test_nothing_moves_before_the_first_answer() -> None:
 
 
 def test_the_first_answer_counts_at_once_although_rest_was_commanded_before() -> None:
-    # The service takes its first answer for the command; a slower one would stay behind for ever.
+    # The service takes its first answer for the command; a slower one would always stay behind.
     watchdog = Watchdog([2.0, 4.0])
     watchdog.command(9.0)
     watchdog.command(10.0)
     watchdog.obey(ANSWER, 10.0, 10.01)
     np.testing.assert_array_equal(watchdog.command(10.01), [0.4, -0.1])
+
+
+def test_an_answer_after_an_expired_first_one_is_reached_evenly() -> None:
+    # The service counts with the expired answer, so the next one may be far from rest.
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.command(9.9)
+    assert not watchdog.obey(ANSWER, 9.8, 9.95)
+    assert watchdog.obey(ANSWER, 10.0, 10.0)
+    np.testing.assert_allclose(watchdog.command(10.0), [0.2, -0.1], atol=1e-9)
 
 
 def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit() -> None:

@@ -21,6 +21,7 @@ export class Watchdog {
   #commandedAtMs = -Infinity;
   /** Whether commands must return from the last command to the answers. */
   #resumes = false;
+  #hasAnswer = false;
 
   /**
    * `accelerationLimit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The
@@ -53,9 +54,10 @@ export class Watchdog {
       throw new RangeError(`${velocity.length} joint velocities for ${this.accelerationLimit.length} joints`);
     }
     const expiresAtMs = measuredAtMs + answer.valid_for_ms;
+    const isFirst = !this.#hasAnswer;
+    this.#hasAnswer = true;
     if (nowMs > expiresAtMs || measuredAtMs < this.#measuredAtMs) return false;
     // Before the first answer there is no ramp to return from: the service counts with its answer at once.
-    const isFirst = this.#expiresAtMs === -Infinity;
     this.#resumes ||= !isFirst && this.#commandedAtMs - this.#expiresAtMs > ROUNDING_S * 1e3;
     this.#velocity = velocity;
     this.#measuredAtMs = measuredAtMs;

@@ -22,6 +22,14 @@ test("the first answer counts at once although rest was commanded before", () =>
   assertClose(watchdog.command(1010), [0.4, -0.1]);
 });
 
+test("an answer after an expired first one is reached evenly", () => {
+  const watchdog = new Watchdog([2, 4]);
+  watchdog.command(900);
+  assert.ok(!watchdog.obey(ANSWER, 800, 950));
+  assert.ok(watchdog.obey(ANSWER, 1000, 1000));
+  assertClose(watchdog.command(1000), [0.2, -0.1]);
+});
+
 test("an answer is held while valid, then each joint brakes at its own limit", () => {
   const watchdog = new Watchdog([2, 4]);
   assert.ok(watchdog.obey(ANSWER, 1000, 1010));

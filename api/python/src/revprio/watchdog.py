@@ -35,7 +35,7 @@ class Watchdog:
         self._measured_at_s = self._expires_at_s = -np.inf
         # The last command and its time, and whether commands must return from it to the answers.
         self._commanded, self._commanded_at_s = self._velocity, -np.inf
-        self._resumes = False
+        self._resumes = self._has_answer = False
 
     @classmethod
     def of(cls, robot: Robot) -> Watchdog:
@@ -58,10 +58,10 @@ class Watchdog:
             message = f"{answer.joint_velocity.size} joint velocities for {self._acceleration.size} joints"
             raise ValueError(message)
         expires_at_s = measured_at_s + answer.valid_for_ms / 1e3
+        is_first, self._has_answer = not self._has_answer, True
         if now_s > expires_at_s or measured_at_s < self._measured_at_s:
             return False
         # Before the first answer there is no ramp to return from: the service counts with its answer at once.
-        is_first = not np.isfinite(self._expires_at_s)
         self._resumes |= not is_first and self._commanded_at_s - self._expires_at_s > ROUNDING_S
         self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
         self._deceleration = self._decelerations(answer)

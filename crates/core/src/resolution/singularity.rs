@@ -191,8 +191,10 @@ fn exceeds(rows: &[f64], n: usize, bound: f64, gram: &mut Vec<f64>) -> bool {
     }
     let size = m.min(n);
     let trace: f64 = gram.iter().step_by(size + 1).sum();
-    gram.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound * bound + TOLERANCES.rounding * trace);
-    cholesky(gram, size)
+    let rounding = TOLERANCES.rounding * trace;
+    gram.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound * bound + rounding);
+    // Squares that underflow decide nothing.
+    (rounding.is_normal() || size == 0) && cholesky(gram, size)
 }
 
 /// Returns ‖A − A'‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the sizes

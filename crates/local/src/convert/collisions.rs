@@ -113,7 +113,7 @@ pub fn with_shapes(
     let mut shapes = listed;
     shapes.capsules.extend(fitted.capsules);
     shapes.names.extend(fitted.names);
-    shapes.uncovered = uncovered(&robot, request, &shapes.capsules);
+    shapes.uncovered = uncovered(&robot, request, &shapes);
     let names = shapes.names.clone();
     robot.with_fitted(shapes, &stated, &disabled).map_err(|error| shape_error(&error, &names, listed_count))
 }
@@ -139,8 +139,10 @@ fn covered_links(
     let carriers = carriers.map_err(|error| ApiError::invalid("/urdf", error))?.unwrap_or_default();
     each("/shape_list", listed, |k, shape| {
         let Some(body) = &shape.body else { return Ok(shape.link.clone()) };
-        let moves_with_it = carriers.get(body) == Some(&capsules[k].link);
-        check(moves_with_it, "/body", format_args!("fixed joints must connect `{body}` with `{}`", shape.link))?;
+        let joint = |link: LinkId| robot.links()[link.index()].joint;
+        let moves_with_it = carriers.get(body).is_some_and(|carrier| joint(*carrier) == joint(capsules[k].link));
+        let detail = format_args!("no fixed joints connect a link `{body}` with `{}`", shape.link);
+        check(moves_with_it, "/body", detail)?;
         Ok(body.clone())
     })
 }
@@ -161,12 +163,16 @@ fn shape_error(error: &CollisionError, names: &[String], listed: usize) -> ApiEr
 }
 
 /// Returns the links of the text that have a form and that no shape covers; none if the text has no bodies that can be read.
-fn uncovered(robot: &RobotModel, request: &wire::RobotRegistration, shapes: &[LinkCapsule]) -> Vec<String> {
+///
+/// A shape of a link covers what fixed joints connect with it too, unless it names another body.
+fn uncovered(robot: &RobotModel, request: &wire::RobotRegistration, shapes: &FittedShapes) -> Vec<String> {
     let Ok(found) = robot.link_bodies(&request.urdf) else { return Vec::new() };
-    let is_covered = |link: LinkId| shapes.iter().any(|shape| shape.link == link);
-    let is_stated = |name: &String| robot.link(name).is_some_and(is_covered);
+    let is_named = |name: &String| shapes.names.contains(name);
+    let covers_all = |link: LinkId| is_named(&robot.links()[link.index()].name);
+    let is_stated = |name: &String| is_named(name) || robot.link(name).is_some_and(covers_all);
     let mut uncovered: Vec<String> = found.uncovered.into_iter().filter(|name| !is_stated(name)).collect();
-    uncovered.extend(found.bodies.into_iter().filter(|body| !is_covered(body.link)).map(|body| body.name));
+    let bare = found.bodies.into_iter().filter(|body| !is_named(&body.name) && !covers_all(body.link));
+    uncovered.extend(bare.map(|body| body.name));
     // The bodies of a link follow each other.
     uncovered.dedup();
     uncovered

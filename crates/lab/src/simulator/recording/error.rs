@@ -29,7 +29,7 @@ pub enum WriteError {
     Message,
 }
 
-/// Returns the text of an error with its cause: that a disk is full, the error itself does not say.
+/// Returns the text of an error with its cause, such as a full disk: the error itself does not name it.
 fn with_cause(error: &McapError) -> String {
     error.source().map_or_else(|| error.to_string(), |cause| format!("{error}: {cause}"))
 }

@@ -26,14 +26,11 @@ use crate::linalg::{Damping, Vector};
 use crate::resolution::{Problem, Resolution, Solve};
 use crate::task::TaskError;
 
-/// Loss of a task's velocity that counts as rounding, m/s or rad/s.
+/// Loss of a task's velocity, or difference of two losses, that counts as rounding, m/s or rad/s.
 const LOSS: f64 = 1e-6;
 
 /// Part of a joint's velocity that counts as rounding, rad/s or m/s: other joints need not make up for it.
 const ROUNDING: f64 = 1e-9;
-
-/// Difference of two losses that counts as rounding, m/s or rad/s.
-const EQUAL_LOSS: f64 = 1e-9;
 
 /// The memory of a controller that keeps jerk limits.
 #[derive(Debug)]
@@ -182,7 +179,7 @@ impl First {
     /// Returns whether the highest task whose loss is another one than that of [`Self::loses`] loses less.
     fn loses_less(&self, resolution: &Resolution) -> bool {
         let mut differences = self.losses(resolution).zip(&self.lost).map(|(now, before)| now - before);
-        differences.find(|difference| difference.abs() > EQUAL_LOSS).is_some_and(|difference| difference < 0.0)
+        differences.find(|difference| difference.abs() > LOSS).is_some_and(|difference| difference < 0.0)
     }
 
     /// Returns what each task but the lowest misses beyond what the first solution misses, m/s or rad/s.

@@ -10,7 +10,7 @@ use crate::limits::{Hold, braking_deceleration, spare_time};
 use crate::linalg::{Matrix, row_times};
 use crate::task::TaskStack;
 
-/// Time over which the acceleration of a tool on its arc is taken, s: the joints turn little in it.
+/// Time over which the acceleration of a tool on its arc is computed, s: the joints turn little in it.
 const ARC_TIME: f64 = 0.05;
 
 /// Where a held command has moved the arm after [`ARC_TIME`].
@@ -37,7 +37,7 @@ impl HeldMotion {
         for (q, (rest, u)) in self.position.iter_mut().zip(rest.iter().zip(command)) {
             *q = rest + ARC_TIME * u;
         }
-        // The sum of finite numbers that are no posture is no posture either.
+        // Positions that overflow are no posture; the arc of the period before serves as well as none.
         if self.configuration.update(&config.robot, &self.position).is_err() {
             return;
         }
