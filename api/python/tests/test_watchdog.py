@@ -85,9 +85,10 @@ def test_an_arm_that_resumes_is_at_rest_only_when_its_commands_are_zero() -> Non
 
 def test_a_joint_without_deceleration_resumes_at_once() -> None:
     watchdog = Watchdog([np.inf, 4.0])
-    watchdog.command(10.0)
     watchdog.obey(ANSWER, 10.0, 10.0)
-    np.testing.assert_array_equal(watchdog.command(10.0), [0.4, 0.0])
+    assert not watchdog.command(10.2).any()
+    watchdog.obey(ANSWER, 10.2, 10.2)
+    np.testing.assert_array_equal(watchdog.command(10.2), [0.4, 0.0])
 
 
 def test_an_answer_that_arrives_expired_is_ignored() -> None:
