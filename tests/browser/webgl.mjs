@@ -155,8 +155,7 @@ test('the page opens with a Panda that moves; a hand invites to drag the target 
   await page.mouse.up();
   await page.click('#go');
   await waitForState(page, 'phase', 'running');
-  await page.waitForTimeout(500);
-  assert.equal(await page.isVisible('#invite'), false);
+  await page.waitForSelector('#invite', { state: 'hidden' });
 }));
 
 test('with reduced motion nothing moves by itself', options, () => withPage('?renderer=webgl', async (page) => {
