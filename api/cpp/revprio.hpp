@@ -371,9 +371,9 @@ private:
 
 /// Computes the joint velocities to command at any time, also when no answers come.
 ///
-/// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
-/// brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits
-/// include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
+/// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the joints
+/// brake together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and stay at
+/// rest until a newer answer comes. If the controller's limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
 /// `braking_deceleration` until they have the velocity of the answer.
 class Watchdog {
 public:
@@ -411,6 +411,7 @@ public:
         velocity_ = std::move(velocity);
         measured_at_ = measured_at;
         expires_at_ = expires_at;
+        stop_time_s_ = number_or(answer.value("stop_time_s", Json()), 0);
         const Json given = answer.value("braking_deceleration", Json::array());
         for (std::size_t joint = 0; joint < deceleration_.size(); ++joint)
             deceleration_[joint] = number_or(joint < given.size() ? given[joint] : Json(), acceleration_[joint]);
@@ -447,6 +448,10 @@ private:
         const double silence_s = Seconds(now - expires_at_).count();
         std::vector<double> velocity(velocity_.size());
         for (std::size_t joint = 0; joint < velocity.size(); ++joint) {
+            if (stop_time_s_ > 0) {
+                velocity[joint] = velocity_[joint] * std::max(1 - silence_s / stop_time_s_, 0.0);
+                continue;
+            }
             const double speed = std::max(std::abs(velocity_[joint]) - deceleration_[joint] * silence_s, 0.0);
             velocity[joint] = std::copysign(speed, velocity_[joint]);
         }
@@ -469,6 +474,7 @@ private:
     std::vector<double> deceleration_;
     std::vector<double> velocity_;
     std::vector<double> commanded_;
+    double stop_time_s_ = 0; ///< 0: each joint brakes at its own deceleration.
     Clock::time_point measured_at_{};
     Clock::time_point expires_at_{};
     Clock::time_point commanded_at_{};

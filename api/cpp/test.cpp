@@ -150,6 +150,16 @@ void watchdog() {
     check(is_close(dog.command(at(100)), 0.4, -0.1), "an answer is held while it is valid");
     check(is_close(dog.command(at(110)), 0.38, -0.06), "then each joint brakes at its own limit");
     check(!dog.is_at_rest(at(290)) && dog.is_at_rest(at(301)), "the joints come to rest");
+    Json even = answer;
+    even["stop_time_s"] = 0.2;
+    revprio::Watchdog together({2, 4});
+    check(together.obey(even, at(0), at(0)) && is_close(together.command(at(150)), 0.3, -0.075),
+          "all joints come to rest together if the answer says when");
+    check(!together.is_at_rest(at(290)) && together.is_at_rest(at(301)), "within that time");
+    together.command(at(300));
+    check(together.obey(answer, at(300), at(300)) && is_close(together.command(at(310)), 0.02, -0.04),
+          "afterwards each joint accelerates at its own limit");
+    check(is_close(together.command(at(500)), 0.2, 0), "the next answer may brake otherwise");
     Json braking = answer;
     braking["braking_deceleration"] = {8, nullptr};
     revprio::Watchdog told({2, 4});

@@ -42,7 +42,8 @@
 //!
 //! 1. Count `valid_for_ms` from the moment at which the *state* was measured.
 //! 2. If the time is over and there is no newer answer, for whatever reason (no connection, a problem instead of an
-//!    answer, a slow network), brake each joint at its `braking_deceleration` to rest. Then hold.
+//!    answer, a slow network), brake all joints to rest together within `stop_time_s`, or each at its `braking_deceleration` if there is no
+//!    `stop_time_s`. Then hold.
 //! 3. The arm keeps a command until the next one. Send the velocity of the ramp at the time of the next command.
 //! 4. Resume with a newly measured state.
 //!

@@ -73,7 +73,10 @@ impl Arm {
         // A state may contain numbers up to 1e9. After a wild wrench the solver `closed_form`, which ignores limits, can
         // command more: it moves the joints far away, and a posture task demands them back.
         self.command = answer.joint_velocity.iter().map(|velocity| velocity.clamp(-1e9, 1e9)).collect();
-        self.deceleration = answer.braking_deceleration.iter().map(|a| a.unwrap_or(f64::INFINITY)).collect();
+        self.deceleration = match answer.stop_time_s {
+            Some(time) => self.command.iter().map(|velocity| velocity.abs() / time).collect(),
+            None => answer.braking_deceleration.iter().map(|a| a.unwrap_or(f64::INFINITY)).collect(),
+        };
         self.brakes_at = measured + std::time::Duration::from_millis(answer.valid_for_ms);
         // A command that is too old is the velocity of its ramp at once.
         self.now = Instant::now();

@@ -87,6 +87,9 @@ fn compare(command: &Command, answer: &wire::StepAnswer, design: &Design) -> Res
     if answer.joint_limit_index.to_bits() != command.joint_limit_index.to_bits() {
         return Err("another joint-limit index".to_owned());
     }
+    if answer.stop_time_s != command.hold.stop_time_s {
+        return Err(format!("a stop in {:?} s, reference {:?} s", answer.stop_time_s, command.hold.stop_time_s));
+    }
     let deceleration = |joint: &revprio_robot::Joint| {
         Some(braking_deceleration(&joint.limits)).filter(|deceleration| deceleration.is_finite())
     };

@@ -6,7 +6,13 @@ from conftest import example
 
 from revprio import Robot, StepAnswer, Watchdog
 
-BODY = {**example("answers/step"), "joint_velocity": [0.4, -0.1], "valid_for_ms": 100, "braking_deceleration": []}
+BODY = {
+    **example("answers/step"),
+    "joint_velocity": [0.4, -0.1],
+    "valid_for_ms": 100,
+    "stop_time_s": None,
+    "braking_deceleration": [],
+}
 ANSWER = StepAnswer.model_validate(BODY)
 
 
@@ -43,6 +49,20 @@ def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit()
     np.testing.assert_allclose(watchdog.command(10.2), [0.2, 0.0], atol=1e-9)
     np.testing.assert_array_equal(np.abs(watchdog.command(10.31)), [0.0, 0.0])
     assert watchdog.is_at_rest(10.31)
+
+
+def test_all_joints_come_to_rest_together_if_the_answer_says_when() -> None:
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(StepAnswer.model_validate({**BODY, "stop_time_s": 0.2}), 10.0, 10.0)
+    np.testing.assert_array_equal(watchdog.command(10.1), [0.4, -0.1])
+    np.testing.assert_allclose(watchdog.command(10.15), [0.3, -0.075], atol=1e-9)
+    assert not watchdog.is_at_rest(10.29)
+    assert watchdog.is_at_rest(10.301)
+    # Afterwards each joint accelerates at its own limit, and the next answer may brake otherwise.
+    watchdog.command(10.3)
+    assert watchdog.obey(ANSWER, 10.3, 10.3)
+    np.testing.assert_allclose(watchdog.command(10.31), [0.02, -0.04], atol=1e-9)
+    np.testing.assert_allclose(watchdog.command(10.5), [0.2, 0.0], atol=1e-9)
 
 
 def test_a_newer_answer_ends_the_ramp_and_an_older_one_does_not() -> None:

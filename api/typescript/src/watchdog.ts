@@ -6,15 +6,16 @@ const ROUNDING_S = 1e-9;
 /**
  * Computes the joint velocities to command at any time, also when no answers come.
  *
- * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint brakes
- * at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's limits include
- * positions, every joint then stops inside its range. When answers come again, the joints accelerate with
+ * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the joints brake
+ * together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and stay at rest
+ * until a newer answer comes. If the controller's limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
  * `braking_deceleration` until they have the velocity of the answer. All times are arguments, in milliseconds of any
  * monotonic clock, such as `performance.now()`.
  */
 export class Watchdog {
   #velocity: readonly number[];
   #deceleration: readonly number[];
+  #stopTimeS: number | null = null;
   #measuredAtMs = -Infinity;
   #expiresAtMs = -Infinity;
   #commanded: readonly number[];
@@ -62,6 +63,7 @@ export class Watchdog {
     this.#velocity = velocity;
     this.#measuredAtMs = measuredAtMs;
     this.#expiresAtMs = expiresAtMs;
+    this.#stopTimeS = answer.stop_time_s ?? null;
     this.#deceleration = this.accelerationLimit.map((own, joint) => answer.braking_deceleration?.[joint] ?? own);
     return true;
   }
@@ -83,6 +85,11 @@ export class Watchdog {
   /** Returns the velocities of the last answer; after it has expired, those of the ramp to rest. */
   #ramp(nowMs: number): number[] {
     const silenceS = (nowMs - this.#expiresAtMs) / 1e3;
+    const stopTimeS = this.#stopTimeS;
+    if (silenceS > ROUNDING_S && stopTimeS !== null) {
+      const share = Math.max(1 - silenceS / stopTimeS, 0);
+      return this.#velocity.map((velocity) => velocity * share);
+    }
     return this.#velocity.map((velocity, joint) => {
       const decrease = silenceS <= ROUNDING_S ? 0 : (this.#deceleration[joint] ?? 0) * silenceS;
       return Math.sign(velocity) * Math.max(Math.abs(velocity) - decrease, 0);

@@ -216,7 +216,8 @@ suite("drive", () => {
       override async stepState({ sequence }: State): Promise<StepAnswer> {
         const isFirst = sequence === 0;
         await setTimeout(isFirst ? 0 : 25);
-        return { ...example("answers/step"), joint_velocity: LIMITS.map(() => (isFirst ? 0.4 : 0.5)), valid_for_ms: 100 };
+        const joint_velocity = LIMITS.map(() => (isFirst ? 0.4 : 0.5));
+        return { ...example("answers/step"), joint_velocity, valid_for_ms: 100, stop_time_s: null };
       }
     }
     const abort = new AbortController();

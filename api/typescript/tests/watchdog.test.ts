@@ -3,7 +3,13 @@ import { test } from "node:test";
 import { Watchdog, type Robot } from "../src/index.js";
 import { example } from "./service.js";
 
-const ANSWER = { ...example("answers/step"), joint_velocity: [0.4, -0.1], valid_for_ms: 100, braking_deceleration: [] };
+const ANSWER = {
+  ...example("answers/step"),
+  joint_velocity: [0.4, -0.1],
+  valid_for_ms: 100,
+  stop_time_s: null,
+  braking_deceleration: [],
+};
 
 function assertClose(actual: number[], expected: number[]): void {
   actual.forEach((entry, joint) => assert.ok(Math.abs(entry - expected[joint]!) < 1e-9, `${actual}`));
@@ -38,6 +44,19 @@ test("an answer is held while valid, then each joint brakes at its own limit", (
   assertClose(watchdog.command(1200), [0.2, 0]);
   assertClose(watchdog.command(1301), [0, 0]);
   assert.ok(!watchdog.isAtRest(1290) && watchdog.isAtRest(1301));
+});
+
+test("all joints come to rest together if the answer says when", () => {
+  const watchdog = new Watchdog([2, 4]);
+  assert.ok(watchdog.obey({ ...ANSWER, stop_time_s: 0.2 }, 1000, 1000));
+  assertClose(watchdog.command(1100), [0.4, -0.1]);
+  assertClose(watchdog.command(1150), [0.3, -0.075]);
+  assert.ok(!watchdog.isAtRest(1290) && watchdog.isAtRest(1301));
+  // Afterwards each joint accelerates at its own limit, and the next answer may brake otherwise.
+  watchdog.command(1300);
+  assert.ok(watchdog.obey(ANSWER, 1300, 1300));
+  assertClose(watchdog.command(1310), [0.02, -0.04]);
+  assertClose(watchdog.command(1500), [0.2, 0]);
 });
 
 test("an expired or older answer is ignored", () => {

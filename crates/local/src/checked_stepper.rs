@@ -341,6 +341,11 @@ impl ComputedStep {
         convert::valid_for_ms(&self.command.hold, &self.rules)
     }
 
+    /// Time in which all joints come to rest together after that, s.
+    pub fn stop_time_s(&self) -> Option<f64> {
+        self.command.hold.stop_time_s
+    }
+
     /// Returns the whole answer.
     pub fn answer(&self) -> wire::StepAnswer {
         let start = Instant::now();

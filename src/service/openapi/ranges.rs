@@ -255,6 +255,7 @@ fn memory_ranges() -> Vec<FieldRange> {
             task_velocities: Items(0, MAX_TASKS),
             joint_position: Items(1, MAX_JOINTS),
             valid_for_ms: Between(0.0, MAX_VALID_FOR_MS as f64),
+            stop_time_s: Positive,
             last_command: Items(1, MAX_JOINTS),
             active_set: Items(0, MAX_TASKS),
             target_streams: Items(0, 2 * MAX_TASKS),
@@ -372,7 +373,7 @@ fn answer_ranges() -> Vec<FieldRange> {
         wire::CertificatePart { weight: Between(0.0, 1.0) }
         wire::Singularity { smallest_singular_value: NotNegative, manipulability: NotNegative }
         wire::ResolveAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
-        wire::StepAnswer { elapsed_us: NotNegative, joint_limit_index: NotNegative }
+        wire::StepAnswer { stop_time_s: Positive, elapsed_us: NotNegative, joint_limit_index: NotNegative }
         wire::TareAnswer { force_noise_n: NotNegative, torque_noise_nm: NotNegative }
         wire::PayloadAnswer {
             mass_uncertainty_kg: NotNegative,

@@ -132,6 +132,7 @@ impl Controller {
         fields.set_item(intern!(py, "joint_velocity"), PyArray1::from_slice(py, answer.joint_velocity()))?;
         fields.set_item(intern!(py, "sequence"), sequence)?;
         fields.set_item(intern!(py, "valid_for_ms"), answer.valid_for_ms())?;
+        fields.set_item(intern!(py, "stop_time_s"), answer.stop_time_s())?;
         fields.set_item(intern!(py, "braking_deceleration"), self.deceleration(py)?)?;
         fields.set_item(intern!(py, "_answer"), StepAnswer(answer))?;
         Ok(fields)

@@ -3785,6 +3785,7 @@ class Memory(Body):
     - stalls: Joints that did not follow their commands lately; default: none.
     - start_time_s: Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9
       s.
+    - stop_time_s: `stop_time_s` of the last answer, s; default: each joint brakes at its own deceleration.
     - target_streams: Streamed targets of the tasks; default: none.
     - task_progress: How each task follows its requests; default: all follow.
     - time_s: Time of the last state, s; default: unknown, then the next state is not compared with it.
@@ -3829,6 +3830,8 @@ class Memory(Body):
     """Joints that did not follow their commands lately; default: none."""
     start_time_s: float | None = None
     """Time of the first state, from which profiles count, s; default: 0, unless that time is above 1e9 s."""
+    stop_time_s: float | None = None
+    """`stop_time_s` of the last answer, s; default: each joint brakes at its own deceleration."""
     target_streams: list[TargetStream] | None = None
     """Streamed targets of the tasks; default: none."""
     task_progress: list[Progress] | None = None
@@ -4803,9 +4806,9 @@ class StepAnswer(Answer):
     Fields:
 
     - active_limits: Active limits: bounds that the answer reaches and that restrict it.
-    - braking_deceleration: Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²;
-      `null`: stop at once. With it every joint stops inside its range after `valid_for_ms`, if the `limits` include
-      positions and the `solver` is not `closed_form`.
+    - braking_deceleration: Deceleration with which a watchdog brakes each joint without `stop_time_s`, in joint
+      order, rad/s² or m/s²; `null`: stop at once. With it every joint stops inside its range after `valid_for_ms`,
+      if the `limits` include positions and the `solver` is not `closed_form`.
     - elapsed_us: Time to compute the answer, µs.
     - joint_limit_index: Joint-limit index H: 0 with all joints in the middle of their ranges, ½ with all at a
       limit.
@@ -4816,11 +4819,11 @@ class StepAnswer(Answer):
     - singularity: Distance of the tasks from singularities.
     - solver: Solver path, status and optimality check.
     - tasks: Outcome of each task, highest priority first.
-    - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake each
-      joint at `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period
-      (in whole ms, rounded down, and at least 1), if a joint would otherwise leave its range before it stops, if
-      the `limits` include positions and the `solver` is not `closed_form`. Obstacles, and a tool that approaches or
-      presses with the law `contact`, shorten it too.
+    - valid_for_ms: Validity of the command from the time of measurement, ms. Without a newer answer, brake the
+      joints then: together within `stop_time_s`, or each at `braking_deceleration` if there is none. At most the
+      controller's `valid_for_ms`; shorter, but at least a period (in whole ms, rounded down, and at least 1), if a
+      joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is
+      not `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too.
     - violated_limits: Violated limits. The solver `closed_form` may violate all; others exceed only speed limits
       that `limits` do not contain.
     - active_inequalities: Active inequalities.
@@ -4831,6 +4834,10 @@ class StepAnswer(Answer):
     - memory: Memory to send with the next state; only in answers without a session.
     - request_share: Share of the requests that remains, 0 to 1, because joints turn again and again although no
       task gains by it. At 0 the arm rests, perhaps short of its targets, until a target changes. Default: 1.
+    - stop_time_s: Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool
+      keeps its direction: `joint_velocity` times 1 − t/`stop_time_s`. No joint then brakes faster than at its
+      `braking_deceleration`, and every joint stops inside its range on the same terms. Absent: each joint brakes at
+      its own. Only controllers with a law that reads a wrench have it, if they keep no distances to obstacles.
     - stuck_tasks: Tasks that make no progress, and what holds them back.
     - violated_inequalities: Violated inequalities.
     - warnings: Warnings: what is not plausible about the state, and what to do.
@@ -4844,9 +4851,9 @@ class StepAnswer(Answer):
     active_limits: list[ActiveLimit]
     """Active limits: bounds that the answer reaches and that restrict it."""
     braking_deceleration: FloatArray
-    """Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²; `null`: stop at once. With
-    it every joint stops inside its range after `valid_for_ms`, if the `limits` include positions and the `solver` is
-    not `closed_form`."""
+    """Deceleration with which a watchdog brakes each joint without `stop_time_s`, in joint order, rad/s² or m/s²;
+    `null`: stop at once. With it every joint stops inside its range after `valid_for_ms`, if the `limits` include
+    positions and the `solver` is not `closed_form`."""
     elapsed_us: float
     """Time to compute the answer, µs."""
     joint_limit_index: float
@@ -4864,11 +4871,11 @@ class StepAnswer(Answer):
     tasks: list[TaskOutcome]
     """Outcome of each task, highest priority first."""
     valid_for_ms: int
-    """Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
-    `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period (in whole ms,
-    rounded down, and at least 1), if a joint would otherwise leave its range before it stops, if the `limits` include
-    positions and the `solver` is not `closed_form`. Obstacles, and a tool that approaches or presses with the law
-    `contact`, shorten it too."""
+    """Validity of the command from the time of measurement, ms. Without a newer answer, brake the joints then: together
+    within `stop_time_s`, or each at `braking_deceleration` if there is none. At most the controller's `valid_for_ms`;
+    shorter, but at least a period (in whole ms, rounded down, and at least 1), if a joint would otherwise leave its
+    range before it stops, if the `limits` include positions and the `solver` is not `closed_form`. Obstacles, and a
+    tool that approaches or presses with the law `contact`, shorten it too."""
     violated_limits: list[ViolatedLimit]
     """Violated limits. The solver `closed_form` may violate all; others exceed only speed limits that `limits` do not
     contain."""
@@ -4887,6 +4894,11 @@ class StepAnswer(Answer):
     request_share: float | None = None
     """Share of the requests that remains, 0 to 1, because joints turn again and again although no task gains by it. At
     0 the arm rests, perhaps short of its targets, until a target changes. Default: 1."""
+    stop_time_s: float | None = None
+    """Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool keeps its direction:
+    `joint_velocity` times 1 − t/`stop_time_s`. No joint then brakes faster than at its `braking_deceleration`, and
+    every joint stops inside its range on the same terms. Absent: each joint brakes at its own. Only controllers with a
+    law that reads a wrench have it, if they keep no distances to obstacles."""
     stuck_tasks: list[StuckTask] = Field(default_factory=list)
     """Tasks that make no progress, and what holds them back."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)

@@ -14,8 +14,9 @@ ROUNDING_S = 1e-9
 class Watchdog:
     """Computes the joint velocities to command at any time, also when no answers come.
 
-    An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, each joint
-    brakes at the answer's `braking_deceleration` and stays at rest until a newer answer comes. If the controller's
+    An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the
+    joints brake together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and
+    stay at rest until a newer answer comes. If the controller's
     limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate
     with `braking_deceleration` until they have the velocity of the answer. All times are arguments, in seconds of any
     monotonic clock, such as `time.monotonic()`.
@@ -31,6 +32,7 @@ class Watchdog:
             message = f"acceleration_limit: give one positive number per joint, not {acceleration_limit!r}"
             raise ValueError(message)
         self._deceleration = self._acceleration
+        self._stop_time_s: float | None = None
         self._velocity = np.zeros_like(self._acceleration)
         self._measured_at_s = self._expires_at_s = -np.inf
         # The last command and its time, and whether commands must return from it to the answers.
@@ -64,7 +66,7 @@ class Watchdog:
         # Before the first answer there is no ramp to return from: the service counts with its answer at once.
         self._resumes |= not is_first and self._commanded_at_s - self._expires_at_s > ROUNDING_S
         self._velocity, self._measured_at_s, self._expires_at_s = answer.joint_velocity, measured_at_s, expires_at_s
-        self._deceleration = self._decelerations(answer)
+        self._deceleration, self._stop_time_s = self._decelerations(answer), answer.stop_time_s
         return True
 
     def _decelerations(self, answer: StepAnswer) -> FloatArray:
@@ -87,6 +89,8 @@ class Watchdog:
         silence_s = max(now_s - self._expires_at_s, 0.0)
         if silence_s <= ROUNDING_S:
             return self._velocity
+        if self._stop_time_s is not None:
+            return self._velocity * max(1.0 - silence_s / self._stop_time_s, 0.0)
         speed = np.maximum(np.abs(self._velocity) - self._deceleration * silence_s, 0.0)
         return np.copysign(speed, self._velocity)
 

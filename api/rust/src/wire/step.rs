@@ -87,6 +87,10 @@ pub struct Memory {
     #[schema(example = 100)]
     #[serde(default, deserialize_with = "integer::optional", skip_serializing_if = "Option::is_none")]
     pub valid_for_ms: Option<u64>,
+    /// `stop_time_s` of the last answer, s; default: each joint brakes at its own deceleration.
+    #[schema(example = 0.05)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop_time_s: Option<f64>,
     /// How far the joints move behind the modelled drive in the period after the last state, rad or m: positions tell by it whether
     /// a state is late or the clock jumped. Default: the velocity of the drive for a period.
     #[schema(example = json!([0.001, 0.0, -0.002]))]
@@ -338,12 +342,19 @@ pub struct StepAnswer {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schema(example = json!({"gripper": 0.031}))]
     pub channels: BTreeMap<String, f64>,
-    /// Validity of the command from the time of measurement, ms. Without a newer answer, brake each joint at
-    /// `braking_deceleration` then. At most the controller's `valid_for_ms`; shorter, but at least a period (in whole ms, rounded down,
+    /// Validity of the command from the time of measurement, ms. Without a newer answer, brake the joints then: together
+    /// within `stop_time_s`, or each at `braking_deceleration` if there is none. At most the controller's `valid_for_ms`; shorter, but at least a period (in whole ms, rounded down,
     /// and at least 1), if a joint would otherwise leave its range before it stops, if the `limits` include positions and the `solver` is
     /// not `closed_form`. Obstacles, and a tool that approaches or presses with the law `contact`, shorten it too.
     pub valid_for_ms: u64,
-    /// Deceleration with which a watchdog brakes each joint, in joint order, rad/s² or m/s²; `null`: stop at once. With it
+    /// Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool keeps its direction: `joint_velocity`
+    /// times 1 − t/`stop_time_s`. No joint then brakes faster than at its `braking_deceleration`, and every joint stops inside its range on
+    /// the same terms. Absent: each joint brakes at its own. Only controllers with a law that reads a wrench have it, if they keep no
+    /// distances to obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(example = 0.05)]
+    pub stop_time_s: Option<f64>,
+    /// Deceleration with which a watchdog brakes each joint without `stop_time_s`, in joint order, rad/s² or m/s²; `null`: stop at once. With it
     /// every joint stops inside its range after `valid_for_ms`, if the `limits` include positions and the `solver` is not
     /// `closed_form`.
     #[serde(default)]

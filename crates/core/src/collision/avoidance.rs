@@ -68,10 +68,8 @@ pub enum CollisionAvoidanceError {
     #[error("joint `{0}` needs a speed limit, because its way to a stop has no bound without one")]
     Speed(String),
     /// A stop takes too many periods.
-    #[error(
-        "a stop takes {0} periods; at most {MAX_STOP_PERIODS} are allowed. Use a longer period or larger acceleration limits"
-    )]
-    LongStop(usize),
+    #[error("a stop takes more than {MAX_STOP_PERIODS} periods. Use a longer period or larger acceleration limits")]
+    LongStop,
     /// A sliding joint without limits hangs on a turning joint.
     #[error(
         "a sliding joint without position limits hangs on a turning joint, so nothing bounds how far that one swings a link"
@@ -130,7 +128,7 @@ impl CollisionAvoidance {
         }
         let periods = longest_stop(robot, period);
         if periods > MAX_STOP_PERIODS {
-            return Err(CollisionAvoidanceError::LongStop(periods));
+            return Err(CollisionAvoidanceError::LongStop);
         }
         Ok(())
     }

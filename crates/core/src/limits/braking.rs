@@ -29,6 +29,15 @@ pub fn braking_deceleration(limits: &JointLimits) -> f64 {
     if limits.acceleration.is_finite() { limits.acceleration } else { limits.velocity / DEFAULT_BRAKING_TIME }
 }
 
+/// Returns the deceleration with which a watchdog brakes a joint from a command u, rad/s² or m/s²: |u|/t if all joints stop together
+/// after the time t (`stop_time`, s), else a.
+pub fn ramp_deceleration(limits: &JointLimits, command: f64, stop_time: Option<f64>) -> f64 {
+    match stop_time {
+        Some(time) if command != 0.0 => command.abs() / time,
+        _ => braking_deceleration(limits),
+    }
+}
+
 /// Returns b, the deceleration with which a joint must be able to stop before the ends of its range: a, or the D of its velocity
 /// envelope if that is smaller.
 pub(super) fn stopping_deceleration(limits: &JointLimits) -> f64 {

@@ -22,6 +22,14 @@
 //! For a joint with a velocity envelope, v²/2a becomes v²/2b + v o/D, and q_hi the end of the margin, see the module `limits`. Until t the
 //! command keeps the envelope, and so does the ramp, which is not slower than b.
 //!
+//! # Joints that stop together
+//!
+//! Joints that brake at a each come to rest one after the other, and the tool turns away from its direction meanwhile: one that slides along
+//! a surface is pushed into it. So the watchdog of a controller that reads a wrench lowers all speeds by the same share per time, from u to 0
+//! in the time t_s = max |uⱼ|/aⱼ. No joint then brakes faster than a. The proof above holds with |v|/t_s in place of a, and v²/2a becomes
+//! v t_s/2; with an envelope, the smaller one of |v|/t_s and b takes the place of b. Where this leaves less than max(2 T, 10 ms), because
+//! a joint is near the end of its range, the joints brake at a each.
+//!
 //! # Why a command inside the box can be held for at least S
 //!
 //! The box demands v τ + v²/2a ≤ d with the reaction time τ = T + S, where d = q_hi − q. Let the last command obey its own
@@ -34,10 +42,12 @@
 //! The measured distance is noisy. A time below S counts as noise if δ = 0.5 mm or mrad of distance more would allow it. A
 //! hold at rest on a limit then passes the limit by δ at most.
 
+use std::ops::RangeInclusive;
+
 use revprio_robot::{JointLimits, RobotModel};
 
 use super::LimitKind;
-use super::braking::{NOISE_TOLERANCE, spare_time, stopping_deceleration};
+use super::braking::{NOISE_TOLERANCE, braking_deceleration, ramp_deceleration, spare_time, stopping_deceleration};
 use crate::arm_state::JointMotion;
 
 /// Part of a period that rounding may add, ms.
@@ -49,18 +59,23 @@ const POSITION_TOLERANCE: f64 = 5e-7;
 /// Distance beyond a limit up to which a measured velocity is not reported, rad or m, because it is noisy.
 const SPEED_NOISE_TOLERANCE: f64 = 1e-3;
 
-/// How long a command may be held.
+/// Times of a common stop, s: below, times count as equal; above, joints can hardly brake.
+const STOP_TIMES: RangeInclusive<f64> = 1e-9..=1e6;
+
+/// How long a command may be held, and how a watchdog brakes afterwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
     /// Maximum time from the measurement to the start of braking, s; in an answer at least a period; infinite without a bound.
     pub time_s: f64,
+    /// t_s, time in which all joints come to rest together after that, s; `None`: each brakes at its own deceleration.
+    pub stop_time_s: Option<f64>,
     /// Joints (index from 0) that cannot stop inside their range, even if they brake now.
     pub too_fast: Vec<usize>,
 }
 
 impl Default for Hold {
     fn default() -> Self {
-        Self { time_s: f64::INFINITY, too_fast: Vec::new() }
+        Self { time_s: f64::INFINITY, stop_time_s: None, too_fast: Vec::new() }
     }
 }
 
@@ -100,59 +115,93 @@ impl Hold {
         period: f64,
     ) {
         self.too_fast.clear();
-        self.time_s = f64::INFINITY;
+        (self.time_s, self.stop_time_s) = (f64::INFINITY, None);
         if !kind.includes_position() {
             return;
         }
         for (i, joint) in robot.joints().iter().enumerate() {
-            let (limits, last) = (&joint.limits, motion.last_command[i]);
+            let limits = &joint.limits;
             let (command, measured) = (command[i], measured[i]);
             let at_once = motion.stopping_at_once();
-            let distance = |motion: JointMotion, velocity: f64| {
-                let (to_lower, to_upper) = motion.distances(i, limits);
-                if velocity > 0.0 { to_upper } else { to_lower }
-            };
             let overshoots = |motion: JointMotion, velocity: f64, needed: f64, tolerance: f64| {
-                velocity != 0.0 && needed > distance(motion, velocity) + tolerance
+                velocity != 0.0 && needed > distance(motion, i, limits, velocity) + tolerance
             };
             // The offset of an envelope counts for the command alone, because a measured velocity at rest is noise.
-            let [to_stop, stopping] = [stop_distance(limits, command), braking_distance(limits, measured)];
+            let own = stopping_deceleration(limits);
+            let [to_stop, stopping] = [stop_distance(limits, command, own), braking_distance(measured, own)];
             if overshoots(motion, command, to_stop, NOISE_TOLERANCE)
                 || overshoots(at_once, measured, stopping, SPEED_NOISE_TOLERANCE)
             {
                 self.too_fast.push(i);
             }
-            if command != 0.0 {
-                let joint_time =
-                    hold_time(limits, distance(motion, command), command.abs(), last * command.signum(), period);
-                self.time_s = self.time_s.min(joint_time);
-            }
+        }
+        self.time_s = shortest_time(robot, motion, command, period, None);
+    }
+
+    /// Lets all joints stop together after the hold, unless one has too little way for that. To be called after [`update`](Self::update),
+    /// with its arguments; `kind`: `None` for a controller that keeps no limits.
+    pub fn stop_together(
+        &mut self,
+        robot: &RobotModel,
+        kind: Option<LimitKind>,
+        motion: JointMotion,
+        command: &[f64],
+        period: f64,
+    ) {
+        let times = robot.joints().iter().zip(command).map(|(joint, u)| u.abs() / braking_deceleration(&joint.limits));
+        let stop_time = times.fold(0.0, f64::max);
+        if !STOP_TIMES.contains(&stop_time) {
+            return;
+        }
+        let is_ranged = kind.is_some_and(LimitKind::includes_position);
+        let time =
+            if is_ranged { shortest_time(robot, motion, command, period, Some(stop_time)) } else { f64::INFINITY };
+        if time >= spare_time(2.0 * period) {
+            (self.time_s, self.stop_time_s) = (time, Some(stop_time));
         }
     }
 }
 
-/// Returns v²/2b + |v| o/D, the distance that a joint with the velocity v must have; without an envelope the way of its stop at a.
-fn stop_distance(limits: &JointLimits, v: f64) -> f64 {
-    braking_distance(limits, v) + v.abs() * limits.envelope.reaction_time()
+/// Returns the smallest hold time of all joints, s; infinite at rest. `stop_time`: t_s, s; `None`: each joint brakes at a, and a time below S
+/// may count as noise.
+fn shortest_time(robot: &RobotModel, motion: JointMotion, command: &[f64], period: f64, stop_time: Option<f64>) -> f64 {
+    let moving = robot.joints().iter().zip(command).enumerate().filter(|(_, (_, u))| **u != 0.0);
+    let times = moving.map(|(i, (joint, &u))| {
+        let limits = &joint.limits;
+        let deceleration = stopping_deceleration(limits).min(ramp_deceleration(limits, u, stop_time));
+        let (distance, last) = (distance(motion, i, limits, u), motion.last_command[i] * u.signum());
+        let [exact, forgiving] = hold_times(limits, deceleration, distance, (u.abs(), last), period);
+        if stop_time.is_some() { exact } else { exact.max(forgiving.min(spare_time(period))).max(0.0) }
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the distance of joint `i` to the end of the range to which it moves, rad or m.
+fn distance(motion: JointMotion, i: usize, limits: &JointLimits, velocity: f64) -> f64 {
+    let (to_lower, to_upper) = motion.distances(i, limits);
+    if velocity > 0.0 { to_upper } else { to_lower }
+}
+
+/// Returns v²/2b + |v| o/D, the distance that a joint with the velocity v must have to stop with the deceleration b.
+fn stop_distance(limits: &JointLimits, v: f64, deceleration: f64) -> f64 {
+    braking_distance(v, deceleration) + v.abs() * limits.envelope.reaction_time()
 }
 
 /// Returns v²/2b.
-fn braking_distance(limits: &JointLimits, v: f64) -> f64 {
-    v * v / 2.0 / stopping_deceleration(limits)
+fn braking_distance(v: f64, deceleration: f64) -> f64 {
+    v * v / 2.0 / deceleration
 }
 
-/// Returns t of the module for a joint with the speed v > 0 towards a limit at `distance`; `last`: v⁻.
-fn hold_time(limits: &JointLimits, distance: f64, v: f64, last: f64, period: f64) -> f64 {
-    let braking = stop_distance(limits, v);
+/// Returns t of the module for a joint with the speed v > 0 towards a limit at `distance`, which stops with a deceleration, and the same if δ
+/// of the distance is noise; `last`: v⁻.
+fn hold_times(limits: &JointLimits, deceleration: f64, distance: f64, (v, last): (f64, f64), period: f64) -> [f64; 2] {
+    let braking = stop_distance(limits, v, deceleration);
     let delayed = (last - v).max(0.0) * spare_time(period);
-    let [exact, forgiving] =
-        [POSITION_TOLERANCE, NOISE_TOLERANCE].map(|tolerance| (distance + tolerance - delayed - braking) / v);
-    exact.max(forgiving.min(spare_time(period))).max(0.0)
+    [POSITION_TOLERANCE, NOISE_TOLERANCE].map(|tolerance| (distance + tolerance - delayed - braking) / v)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::braking_deceleration;
     use super::*;
 
     const LIMITS: JointLimits =
@@ -231,24 +280,60 @@ mod tests {
 
     #[test]
     fn the_hold_time_leaves_room_for_braking_and_for_the_last_command() {
+        let times = |distance, v, last| hold_times(&LIMITS, 8.0, distance, (v, last), 0.01);
         let close = |given: f64, expected: f64| assert!((given - expected).abs() < 1e-5, "{given} {expected}");
-        close(hold_time(&LIMITS, 0.1, 1.0, 0.0, 0.01), 0.1 - 1.0 / 16.0);
-        close(hold_time(&LIMITS, 0.1, 1.0, 1.5, 0.01), 0.1 - 1.0 / 16.0 - 0.005);
-        assert_eq!(hold_time(&LIMITS, 0.05, 1.0, 0.0, 0.01), 0.0);
-        // A measured position may be noisy: beyond the point where braking must start, the time is S at most.
-        let at_the_point = hold_time(&LIMITS, 1.0 / 16.0, 1.0, 0.0, 0.01);
-        assert!((at_the_point - NOISE_TOLERANCE).abs() < 1e-12, "{at_the_point}");
-        assert!((hold_time(&LIMITS, 0.0, 0.01, 0.0, 0.01) - 0.01).abs() < 1e-12);
-        assert_eq!(hold_time(&LIMITS, f64::INFINITY, 1.0, 0.0, 0.01), f64::INFINITY);
-        close(
-            hold_time(
-                &JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS },
-                0.1,
-                2.0,
-                0.0,
-                0.01,
-            ),
-            0.05,
-        );
+        close(times(0.1, 1.0, 0.0)[0], 0.1 - 1.0 / 16.0);
+        close(times(0.1, 1.0, 1.5)[0], 0.1 - 1.0 / 16.0 - 0.005);
+        assert!(times(0.05, 1.0, 0.0)[0] < 0.0);
+        close(times(1.0 / 16.0, 1.0, 0.0)[1], NOISE_TOLERANCE);
+        assert_eq!(times(f64::INFINITY, 1.0, 0.0), [f64::INFINITY; 2]);
+        let free = JointLimits { acceleration: f64::INFINITY, velocity: f64::INFINITY, ..LIMITS };
+        close(hold_times(&free, f64::INFINITY, 0.1, (2.0, 0.0), 0.01)[0], 0.05);
+    }
+
+    /// A measured position may be noisy: beyond the point where braking must start, the time is S at most.
+    #[test]
+    fn noise_of_the_position_shortens_a_hold_to_the_spare_time_at_most() {
+        let deceleration = braking_deceleration(&revprio_robot::built_in()[0].joints()[0].limits);
+        let fastest = (2e-3 * deceleration).sqrt();
+        let time_at = |share: f64| near_the_limit(LimitKind::PositionVelocity, share * fastest, 0.0).time_s;
+        let way_in = |share: f64, noise: f64| (1e-3 * (1.0 - share * share) + noise) / (share * fastest);
+        assert!((time_at(1.0) - way_in(1.0, NOISE_TOLERANCE)).abs() < 1e-12);
+        assert!(way_in(0.6, 0.0) < spare_time(0.001) && way_in(0.6, NOISE_TOLERANCE) > spare_time(0.001));
+        assert_eq!(time_at(0.6), spare_time(0.001));
+        assert!((time_at(0.5) - way_in(0.5, POSITION_TOLERANCE)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn joints_stop_together_where_each_has_the_way_for_it() {
+        let robot = &revprio_robot::built_in()[0];
+        let middle = |joint: &revprio_robot::Joint| 0.5 * (joint.limits.lower + joint.limits.upper);
+        let position: Vec<f64> = robot.joints().iter().map(middle).collect();
+        let mut last = vec![0.0; robot.joint_count()];
+        (last[0], last[2]) = (1.0, -0.1);
+        let slowest = 1.0 / braking_deceleration(&robot.joints()[0].limits);
+        let hold_at = |distance: f64, kind: Option<LimitKind>| {
+            let mut position = position.clone();
+            position[2] = robot.joints()[2].limits.lower + distance;
+            let motion =
+                JointMotion { position: &position, distance_to_rest: &[], last_command: &last, last_acceleration: &[] };
+            let mut hold = Hold::default();
+            if let Some(kind) = kind {
+                hold.update(robot, kind, motion, &last, &last, 0.001);
+            }
+            hold.stop_together(robot, kind, motion, &last, 0.001);
+            (hold.time_s, hold.stop_time_s)
+        };
+        let ranged = Some(LimitKind::PositionVelocity);
+        let (time, stop) = hold_at(1.0, ranged);
+        assert_eq!(stop, Some(slowest));
+        assert!(time > 1.0, "{time}");
+        // 0.1 rad/s · (t + t_s/2)
+        let (time, stop) = hold_at(0.1 * (0.02 + 0.5 * slowest), ranged);
+        assert!(stop.is_some() && (time - 0.02).abs() < 1e-5, "{time} {stop:?}");
+        assert_eq!(hold_at(0.1 * (0.009 + 0.5 * slowest), ranged).1, None);
+        for kind in [None, Some(LimitKind::Velocity)] {
+            assert_eq!(hold_at(0.0, kind), (f64::INFINITY, Some(slowest)));
+        }
     }
 }

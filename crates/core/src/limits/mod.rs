@@ -74,7 +74,7 @@ mod limit_kind;
 mod limited_box;
 
 pub use bound_cause::BoundCause;
-pub use braking::{braking_deceleration, may_jump, reaction_time, spare_time};
+pub use braking::{braking_deceleration, may_jump, ramp_deceleration, reaction_time, spare_time};
 pub use drive::{Drive, DriveState, MAX_DRIVE_DELAY};
 pub(crate) use full_braking::full_braking;
 pub use hold::Hold;

@@ -11,9 +11,9 @@ mod triangle;
 pub use damping::DampingFactor;
 pub use revprio_problem::{Damping, Matrix, Vector};
 pub use row::Row;
-pub use singular_values::{SingularValues, add_scaled, reflect_row, smallest_and_product};
+pub use singular_values::{SingularValues, reflect_row, smallest_and_product};
 pub use svd::Svd;
-pub use triangle::{cholesky, smallest_eigenvalue, write_inverse};
+pub use triangle::{add_outer_square, cholesky, eigenvalues_exceed, smallest_eigenvalue, write_inverse};
 
 use crate::tolerances::TOLERANCES;
 
@@ -58,6 +58,11 @@ fn sum_over_pairs(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| term(*a, *b)).sum();
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
+/// Adds factor · other to the entries.
+pub fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
+    entries.iter_mut().zip(other).for_each(|(entry, other)| *entry += factor * other);
 }
 
 /// Returns a·x for one row a of a matrix.

@@ -1,7 +1,7 @@
 //! Singular values without their vectors.
 
 use super::laguerre::outermost_root;
-use super::{Matrix, dot};
+use super::{Matrix, add_scaled, dot};
 
 /// The singular values of a matrix, in memory that is used again.
 ///
@@ -154,11 +154,6 @@ fn reflect_column(rows: &mut [f64], stride: usize, sum: &mut Vec<f64>) -> f64 {
         }
     }
     first
-}
-
-/// Adds factor · other to the entries.
-pub fn add_scaled(entries: &mut [f64], factor: f64, other: &[f64]) {
-    entries.iter_mut().zip(other).for_each(|(entry, other)| *entry += factor * other);
 }
 
 #[cfg(test)]

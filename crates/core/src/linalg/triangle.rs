@@ -1,7 +1,7 @@
 //! The inverse of a lower triangle; the Cholesky factor and the smallest eigenvalue of a symmetric matrix.
 
 use super::laguerre::outermost_root;
-use super::{Row, dot};
+use super::{Row, add_scaled, dot};
 
 /// Returns the smallest eigenvalue of a positive semidefinite matrix M of this size, exact to the rounding of its trace t. M is
 /// overwritten.
@@ -69,6 +69,19 @@ pub fn cholesky(matrix: &mut [f64], size: usize) -> bool {
         row[i] = rest.sqrt();
     }
     true
+}
+
+/// Returns whether all eigenvalues of a symmetric matrix certainly exceed `bound`, but for the rounding of its entries. Overwrites the matrix.
+pub fn eigenvalues_exceed(matrix: &mut [f64], size: usize, bound: f64) -> bool {
+    matrix.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound);
+    cholesky(matrix, size)
+}
+
+/// Adds a aᵀ for a row a to a square matrix.
+pub fn add_outer_square(matrix: &mut [f64], row: &[f64]) {
+    for (sums, entry) in matrix.chunks_exact_mut(row.len()).zip(row) {
+        add_scaled(sums, *entry, row);
+    }
 }
 
 /// Writes the rows of L⁻¹ for the lower triangle L with these rows and reciprocal diagonal entries; returns ‖L⁻¹‖_F ≥ 1/σ_min.

@@ -2,7 +2,7 @@
 
 use super::hierarchy::Hierarchy;
 use super::solution::{Solution, refill};
-use crate::linalg::{cholesky, dot, smallest_eigenvalue};
+use crate::linalg::{add_outer_square, cholesky, dot, eigenvalues_exceed, smallest_eigenvalue};
 use crate::tolerances::TOLERANCES;
 
 /// Half width for rows and joints that have one bound or none, in units of joint speed: rad/s or m/s.
@@ -75,7 +75,8 @@ impl Regularity {
         }
         let Some(most) = self.split_rows(levels, rows, threshold * threshold) else { return 1.0 };
         self.write_rest(n, most);
-        if exceeds(&self.gram, self.kept, most, &mut self.factor) {
+        refill(&mut self.factor, self.gram.iter().copied());
+        if eigenvalues_exceed(&mut self.factor, self.kept, most) {
             return smooth(most.sqrt() / threshold);
         }
         let (mut low, mut high) = (0.0_f64, most);
@@ -104,12 +105,9 @@ impl Regularity {
             return 0.0;
         }
         refill(&mut self.gram, std::iter::repeat_n(0.0, n * n));
-        for row in equations().map(|row| levels.row(row)) {
-            for (sums, entry) in self.gram.chunks_exact_mut(n).zip(row) {
-                sums.iter_mut().zip(row).for_each(|(sum, other)| *sum += entry * other);
-            }
-        }
-        if exceeds(&self.gram, n, threshold * threshold, &mut self.factor) {
+        equations().for_each(|row| add_outer_square(&mut self.gram, levels.row(row)));
+        refill(&mut self.factor, self.gram.iter().copied());
+        if eigenvalues_exceed(&mut self.factor, n, threshold * threshold) {
             return 1.0;
         }
         let smallest = smallest_eigenvalue(&mut self.gram, n, &mut self.scratch);
@@ -188,13 +186,6 @@ fn room(value: f64, lower: f64, upper: f64) -> f64 {
     let half_width = if half_width.is_finite() { half_width } else { HALF_WIDTH };
     let distance = (value - lower).min(upper - value).max(0.0);
     if distance == 0.0 { 0.0 } else { (distance / half_width).min(1.0) }
-}
-
-/// Returns whether all eigenvalues of a symmetric matrix exceed `bound`; `factor` is scratch.
-fn exceeds(matrix: &[f64], size: usize, bound: f64, factor: &mut Vec<f64>) -> bool {
-    refill(factor, matrix.iter().copied());
-    factor.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound);
-    cholesky(factor, size)
 }
 
 #[cfg(test)]

@@ -7,7 +7,9 @@ use revprio_problem::{Damping, EquationRows, Problem, Singularity, Task, TaskSta
 use super::plan::uses_factors;
 use super::solution::refill;
 use super::solver::SizedSolver;
-use crate::linalg::{DampingFactor, SingularValues, add_scaled, cholesky, distance_square, dot, smallest_and_product};
+use crate::linalg::{
+    DampingFactor, SingularValues, add_outer_square, distance_square, dot, eigenvalues_exceed, smallest_and_product,
+};
 use crate::tolerances::TOLERANCES;
 
 /// Returns the singular value from which on no damping acts and all methods that agree in exact arithmetic agree to nearly all
@@ -183,18 +185,13 @@ fn exceeds(rows: &[f64], n: usize, bound: f64, gram: &mut Vec<f64>) -> bool {
         }
     } else {
         gram.resize(n * n, 0.0);
-        for row in rows.chunks_exact(n) {
-            for (sums, entry) in gram.chunks_exact_mut(n).zip(row) {
-                add_scaled(sums, *entry, row);
-            }
-        }
+        rows.chunks_exact(n).for_each(|row| add_outer_square(gram, row));
     }
     let size = m.min(n);
     let trace: f64 = gram.iter().step_by(size + 1).sum();
     let rounding = TOLERANCES.rounding * trace;
-    gram.iter_mut().step_by(size + 1).for_each(|entry| *entry -= bound * bound + rounding);
     // Squares that underflow decide nothing.
-    (rounding.is_normal() || size == 0) && cholesky(gram, size)
+    (rounding.is_normal() || size == 0) && eigenvalues_exceed(gram, size, bound * bound + rounding)
 }
 
 /// Returns ‖A − A'‖_F for the rows A of the tasks and the rows A' of `other`; `None` if `other` has no rows, if the sizes

@@ -49,6 +49,11 @@ impl ToolRows {
         self.placed(at).write_rows(&self.axes, jacobian);
     }
 
+    /// Overwrites `jacobian` with the rows at one posture along the axes of another one, m × n.
+    pub(super) fn write_jacobian_along(&self, at: ArmAt, axes_at: ArmAt, jacobian: &mut Matrix) {
+        self.placed(at).along_axes_of(&self.placed(axes_at)).write_rows(&self.axes, jacobian);
+    }
+
     /// Returns J_k q̇, m.
     pub(super) fn velocity(&self, at: ArmAt) -> TaskVector {
         let placed = self.placed(at);

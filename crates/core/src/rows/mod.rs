@@ -167,6 +167,14 @@ impl TaskRows {
         }
     }
 
+    /// Overwrites `jacobian` with J_k at one posture, along the axes that the frame of a tool task has at another one.
+    pub(crate) fn write_jacobian_along(&self, at: ArmAt, axes_at: ArmAt, jacobian: &mut Matrix) {
+        match self {
+            Self::Tool(rows) => rows.write_jacobian_along(at, axes_at, jacobian),
+            _ => self.write_jacobian(at, jacobian),
+        }
+    }
+
     /// Returns J_k q̇, m, m/s and rad/s.
     pub(crate) fn velocity(&self, at: ArmAt) -> TaskVector {
         match self {

@@ -7,10 +7,10 @@ use revprio_core::law::{
     AxisInput, ContactAxis, ContactLaw, ContactPhase, ContactSettings, ContactTiming, FaultCause, Law, Profile,
     unavoidable_peak,
 };
-use revprio_core::limits::{Drive, braking_deceleration};
+use revprio_core::limits::{Drive, Hold, ramp_deceleration};
 use revprio_core::rows::{TaskRows, ToolRows};
 use revprio_core::streaming::{StreamedTarget, StreamedValue};
-use revprio_robot::kinematics::{Axis, AxisSelection, BodyFrame, Configuration, TaskBody, TaskFrame};
+use revprio_robot::kinematics::{Axis, AxisSelection, BodyFrame, Configuration, Frame, TaskBody, TaskFrame};
 use revprio_robot::{Joint, RobotModel, built_in};
 
 use super::arms::{NOMINAL, Random, config, constant, controller, position, sawyer, task};
@@ -83,13 +83,13 @@ impl World {
         Configuration::new(&self.robot, &self.arm.q).unwrap()
     }
 
-    /// Returns the largest force, N, if no answer comes after a command: the watchdog holds it for a time (s), then it brakes.
-    fn force_after_silence(&mut self, velocity: &[f64], valid_s: f64) -> f64 {
+    /// Returns the largest force, N, if no answer comes after a command: the watchdog holds it for a time (s), then it brakes as the hold says.
+    fn force_after_silence(&mut self, velocity: &[f64], hold: &Hold, valid_s: f64) -> f64 {
         let (arm, mut largest) = (self.arm.clone(), 0.0_f64);
         for k in 0..100 {
             let late = (f64::from(k + 1) * PERIOD - valid_s).max(0.0);
             let ramp = |(u, joint): (&f64, &Joint)| {
-                (u.abs() - braking_deceleration(&joint.limits) * late).max(0.0).copysign(*u)
+                (u.abs() - ramp_deceleration(&joint.limits, *u, hold.stop_time_s) * late).max(0.0).copysign(*u)
             };
             let sent: Vec<f64> = velocity.iter().zip(self.robot.joints()).map(ramp).collect();
             self.arm.follow(&sent, PERIOD);
@@ -415,9 +415,10 @@ fn a_silence_at_the_touch_costs_the_way_of_its_hold_and_of_the_drive() {
             measured.wrench[2] = world.force[2];
             let command = world.stepper.step(&mut world.memory, &measured).unwrap();
             let velocity = command.resolution.joint_velocity.as_slice().to_vec();
-            let valid_s = command.hold.valid_for_ms(100) as f64 / 1e3;
+            let hold = command.hold.clone();
+            let valid_s = hold.valid_for_ms(100) as f64 / 1e3;
             fastest = fastest.max(command.targets[0].contact[0].approach_speed);
-            worst = worst.max(world.force_after_silence(&velocity, valid_s));
+            worst = worst.max(world.force_after_silence(&velocity, &hold, valid_s));
             world.arm.follow(&velocity, PERIOD);
             world.time += PERIOD;
         }
@@ -437,33 +438,47 @@ fn a_silence_at_the_touch_costs_the_way_of_its_hold_and_of_the_drive() {
 fn the_hold_of_a_tool_that_slides_adds_no_more_than_the_target() {
     let (robot, target, stiffness) = (panda(), 20.0, 1e5);
     let start = [0.0, -0.3, 0.0, -2.1, 0.0, 1.8, 0.8];
-    for (axis, speed) in [(Axis::Y, 0.1), (Axis::Y, 0.3), (Axis::X, 0.1), (Axis::X, -0.1), (Axis::X, -0.2)] {
+    let mut worst = 0.0_f64;
+    let slides = [(Axis::Y, 0.1), (Axis::Y, 0.3), (Axis::X, 0.1), (Axis::X, -0.1), (Axis::X, -0.2)];
+    for (frame, (axis, speed)) in [Frame::Base, Frame::Tool].into_iter().flat_map(|frame| slides.map(|s| (frame, s))) {
         let settings = ContactSettings { stiffest: stiffness, ..ContactSettings::default() };
         let slide = Profile::ramp(vec![0.0], vec![speed], 0.5, 0.5).unwrap();
-        let tasks = vec![task(&[Axis::Z], contact(&[-target], settings)), task(&[axis], Law::Velocity(slide))];
+        // The z-axis of the tool points down.
+        let force = if frame == Frame::Base { -target } else { target };
+        let mut tasks = vec![task(&[Axis::Z], contact(&[force], settings)), task(&[axis], Law::Velocity(slide))];
+        for task in &mut tasks {
+            let TaskRows::Tool(rows) = &mut task.rows else { unreachable!("tasks of the tool") };
+            rows.frame.frame = frame;
+        }
         let mut world = World::new(&robot, &start, pressing(&robot, tasks), &[(2, 5e-4, -1.0, stiffness)]);
-        let [mut usual, mut at_once, mut held, mut longest] = [0.0_f64; 4];
+        let [mut usual, mut together, mut apart, mut longest] = [0.0_f64; 4];
         while world.time < 2.0 {
             world.update_force();
             let mut measured = world.arm.measure(world.time);
             measured.wrench[2] = world.force[2];
             let command = world.stepper.step(&mut world.memory, &measured).unwrap();
             let velocity = command.resolution.joint_velocity.as_slice().to_vec();
-            let valid_s = command.hold.valid_for_ms(100) as f64 / 1e3;
+            let hold = command.hold.clone();
+            let valid_s = hold.valid_for_ms(100) as f64 / 1e3;
             if world.time > 0.5 {
                 let force = world.force[2].abs();
-                let after = [PERIOD, valid_s, 0.1].map(|hold| world.force_after_silence(&velocity, hold));
-                assert!(after[1] <= after[0].max(force) + target, "{axis:?} {speed}: {after:?} N, {force} N");
+                let after = [PERIOD, valid_s, 0.1].map(|time| world.force_after_silence(&velocity, &hold, time));
+                assert!(after[1] <= after[0].max(force) + target, "{frame:?} {axis:?} {speed}: {after:?} N, {force} N");
                 usual = usual.max(force);
-                (at_once, held, longest) = (at_once.max(after[0]), held.max(after[1]), longest.max(after[2]));
+                (together, longest) = (together.max(after[1]), longest.max(after[2]));
+                let each = Hold { stop_time_s: None, ..hold };
+                apart = apart.max(world.force_after_silence(&velocity, &each, valid_s));
             }
             world.arm.follow(&velocity, PERIOD);
             world.time += PERIOD;
         }
         println!(
-            "{axis:?} {speed} m/s: {usual:.0} N; after a silence {held:.0} N, with braking at once {at_once:.0} N, after 100 ms {longest:.0} N"
+            "{frame:?} {axis:?} {speed} m/s: {usual:.0} N; after a silence {together:.0} N, if each joint brakes as fast as it can {apart:.0} N, after 100 ms {longest:.0} N"
         );
+        assert!(together < usual + 1.1 * target, "{frame:?} {axis:?} {speed}: {together} N");
+        worst = worst.max(apart);
     }
+    assert!(worst > 100.0, "the slides do not show what joints that stop one by one do: {worst} N");
 }
 
 /// A tare in such a moment would take the force of the surface for a bias. That of a sensor in free space looks like a contact for ever.

@@ -1,16 +1,18 @@
 //! No hold leaves the range: after any command, a watchdog that holds it and then brakes ends inside the position limits.
 
+use std::iter;
 use std::sync::Arc;
 
-use revprio_core::controller::{Command, Controller, ControllerConfig, Limits, TaskConfig};
-use revprio_core::limits::{LimitKind, braking_deceleration, spare_time};
+use revprio_core::controller::{Controller, ControllerConfig, Limits, TaskConfig};
+use revprio_core::limits::{Hold, LimitKind, ramp_deceleration, spare_time};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows};
 use revprio_core::streaming::Streaming;
+use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
-    Loop, Random, config, constant, controller, measurement, missing_distance, position, sawyer, step, with_envelopes,
-    with_jerk,
+    Loop, Random, config, constant, controller, force, measurement, missing_distance, position, sawyer, step,
+    with_envelopes, with_jerk,
 };
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
@@ -40,8 +42,8 @@ fn outside(limits: &JointLimits, q: f64) -> f64 {
 }
 
 /// Returns the time that an answer states, s: whole milliseconds, at most [`VALID`].
-fn stated(command: &Command) -> f64 {
-    (command.hold.time_s.min(VALID) * 1e3).floor() / 1e3
+fn stated(hold: &Hold) -> f64 {
+    (hold.time_s.min(VALID) * 1e3).floor() / 1e3
 }
 
 /// Returns the largest distance outside the range, or missing for a velocity envelope, if no answer follows a command.
@@ -52,14 +54,14 @@ fn furthest(
     robot: &RobotModel,
     q: &[f64],
     last: &[f64],
-    command: &[f64],
-    valid: f64,
+    (command, hold): (&[f64], &Hold),
     latency: f64,
     interval: f64,
 ) -> f64 {
+    let valid = stated(hold);
     let mut furthest = f64::NEG_INFINITY;
     for (i, joint) in robot.joints().iter().enumerate() {
-        let deceleration = braking_deceleration(&joint.limits);
+        let deceleration = ramp_deceleration(&joint.limits, command[i], hold.stop_time_s);
         let mut q = q[i] + last[i] * latency;
         for write in 0.. {
             let until = latency + f64::from(write + 1) * interval;
@@ -76,8 +78,14 @@ fn furthest(
     furthest
 }
 
-/// Returns a controller that drives joints to positions at the speed limits.
-fn posture(robot: &Arc<RobotModel>, joints: Vec<usize>, target: &[f64], kind: LimitKind, period: f64) -> Controller {
+/// Returns a controller that drives joints to positions at the speed limits; `reads_wrench`: below it is a task that does.
+fn posture(
+    robot: &Arc<RobotModel>,
+    joints: Vec<usize>,
+    target: &[f64],
+    (kind, period): (LimitKind, f64),
+    reads_wrench: bool,
+) -> Controller {
     let gain = 0.5 / period;
     let rows = TaskRows::Joints(JointRows { target: JointTarget::Position(constant(target)), joints });
     let task = TaskConfig {
@@ -87,7 +95,9 @@ fn posture(robot: &Arc<RobotModel>, joints: Vec<usize>, target: &[f64], kind: Li
         scaled: false,
         streaming: Streaming::default(),
     };
-    controller(ControllerConfig { limits: Limits::Robot(kind), period_s: period, ..config(robot, vec![task]) })
+    let yields = reads_wrench.then(|| super::arms::task(&[Axis::X], force(&[Axis::X], &[0.0])));
+    let tasks = iter::once(task).chain(yields).collect();
+    controller(ControllerConfig { limits: Limits::Robot(kind), period_s: period, ..config(robot, tasks) })
 }
 
 /// Returns a start posture: the middle of each range.
@@ -104,18 +114,19 @@ pub fn mid_ranges(robot: &RobotModel) -> Vec<f64> {
 
 #[test]
 fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_outside() {
-    let (mut kills, mut at_a_limit, mut shortened) = (0, 0, 0);
+    let [mut kills, mut at_a_limit, mut shortened, mut together] = [0; 4];
     for robot in robots() {
         for kind in KINDS {
-            for (joint, upper) in (0..robot.joint_count()).flat_map(|joint| [(joint, false), (joint, true)]) {
+            let joints = (0..robot.joint_count()).flat_map(|joint| [(joint, false), (joint, true)]);
+            for ((joint, upper), reads_wrench) in joints.flat_map(|end| [(end, false), (end, true)]) {
                 let limits = robot.joints()[joint].limits;
                 let end = limits.resting_range()[usize::from(upper)];
                 if !end.is_finite() {
                     continue;
                 }
                 let (period, periods) = [(1e-3, 4000), (4e-3, 1000), (1e-2, 400)][(joint + usize::from(upper)) % 3];
-                let controller =
-                    posture(&robot, vec![joint], &[if upper { end + 1.0 } else { end - 1.0 }], kind, period);
+                let target = [if upper { end + 1.0 } else { end - 1.0 }];
+                let controller = posture(&robot, vec![joint], &target, (kind, period), reads_wrench);
                 let mut arm = Loop::at_rest(&middle(&robot));
                 for number in 0..periods {
                     let (q, last) = (arm.q.clone(), last_command(&arm, &robot));
@@ -125,22 +136,24 @@ fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_out
                     if number % 20 != 0 {
                         continue;
                     }
-                    let valid = stated(&command);
+                    let valid = stated(&command.hold);
                     // Enough for the next answer to come, at any time of its period.
                     assert!(valid >= spare_time(period) - 1e-3 && valid <= VALID, "{valid} s of {period} s");
                     for latency in [0.0, 0.4 * period, period, spare_time(period)] {
                         let velocity = command.resolution.joint_velocity.as_slice();
-                        let found = furthest(&robot, &q, &last, velocity, valid, latency, period);
+                        let found = furthest(&robot, &q, &last, (velocity, &command.hold), latency, period);
                         assert!(found <= TOLERANCE, "{} {kind:?} {joint} {number}: {found} rad", robot.name());
                     }
                     kills += 1;
+                    together += usize::from(command.hold.stop_time_s.is_some());
                     shortened += usize::from(valid < VALID);
                     at_a_limit += usize::from(outside(&limits, arm.q[joint]) > -1e-3);
                 }
             }
         }
     }
-    assert!(kills > 10_000 && at_a_limit > 1000 && shortened > 300, "{kills} {at_a_limit} {shortened}");
+    assert!(kills > 20_000 && at_a_limit > 2000 && shortened > 600, "{kills} {at_a_limit} {shortened}");
+    assert!(together > 5000, "{together} stops of all joints");
 }
 
 fn last_command(arm: &Loop, robot: &RobotModel) -> Vec<f64> {
@@ -150,10 +163,11 @@ fn last_command(arm: &Loop, robot: &RobotModel) -> Vec<f64> {
 #[test]
 fn no_hold_of_a_random_run_leaves_the_range() {
     let mut random = Random(23);
-    let (mut worst, mut shortened) = (f64::NEG_INFINITY, 0);
-    for run in 0..60 {
+    let (mut worst, mut shortened, mut together, mut alone) = (f64::NEG_INFINITY, 0, 0, 0);
+    for run in 0..120 {
         let robot = &robots()[run % robots().len()];
         let kind = KINDS[random.below(2)];
+        let reads_wrench = run >= 60;
         let period = [5e-4, 1e-3, 5e-3, 2e-2, 5e-2][random.below(5)];
         let within = |random: &mut Random, joint: &Joint| {
             let [lower, upper] = joint.limits.resting_range().map(|end| end.clamp(-3.0, 3.0));
@@ -164,24 +178,27 @@ fn no_hold_of_a_random_run_leaves_the_range() {
             // Targets on both sides of the limits; a new one every 50 periods.
             let target: Vec<f64> =
                 robot.joints().iter().map(|joint| 1.5 * within(&mut random, joint) + 0.5 * random.signed()).collect();
-            let controller = posture(robot, (0..robot.joint_count()).collect(), &target, kind, period);
+            let controller = posture(robot, (0..robot.joint_count()).collect(), &target, (kind, period), reads_wrench);
             if let Some(memory) = &mut arm.memory {
                 memory.active_set.clear();
             }
             for _ in 0..50 {
                 let (q, last) = (arm.q.clone(), last_command(&arm, robot));
                 let command = arm.step(&controller, [0.0; 6]);
-                let (valid, velocity) = (stated(&command), command.resolution.joint_velocity.as_slice());
+                let (valid, velocity) = (stated(&command.hold), command.resolution.joint_velocity.as_slice());
                 assert!(valid >= spare_time(period) - 1e-3, "{valid}");
                 let latency = 0.5 * (1.0 + random.signed()) * spare_time(period);
                 let interval = period * [0.3, 1.0, 2.0][random.below(3)];
-                worst = worst.max(furthest(robot, &q, &last, velocity, valid, latency, interval));
+                worst = worst.max(furthest(robot, &q, &last, (velocity, &command.hold), latency, interval));
                 shortened += usize::from(valid < VALID);
+                together += usize::from(command.hold.stop_time_s.is_some());
+                alone += usize::from(reads_wrench && command.hold.stop_time_s.is_none());
             }
         }
     }
-    println!("{worst} {shortened}");
+    println!("{worst} {shortened} {together} {alone}");
     assert!(worst <= TOLERANCE, "{worst} rad outside");
+    assert!(together > 3000 && alone > 300, "{together} stops of all joints, {alone} of each");
     assert!(worst > -1e-3 && shortened > 300, "no run comes near a limit: {worst} rad, {shortened}");
 }
 
@@ -189,7 +206,7 @@ fn no_hold_of_a_random_run_leaves_the_range() {
 fn an_arm_that_moves_too_fast_to_stop_is_reported() {
     let robot = sawyer();
     let limits = robot.joints()[0].limits;
-    let controller = posture(&robot, vec![0], &[0.0], LimitKind::PositionVelocity, 1e-3);
+    let controller = posture(&robot, vec![0], &[0.0], (LimitKind::PositionVelocity, 1e-3), false);
     let mut state = measurement(&middle(&robot));
     state.joint_position[0] = limits.upper - 0.1;
     let too_fast = |speed: f64| {
@@ -208,7 +225,7 @@ fn an_arm_that_moves_too_fast_to_stop_is_reported() {
 fn limits_without_positions_do_not_shorten_the_hold() {
     let robot = sawyer();
     for kind in [LimitKind::None, LimitKind::Velocity] {
-        let controller = posture(&robot, vec![0], &[10.0], kind, 1e-3);
+        let controller = posture(&robot, vec![0], &[10.0], (kind, 1e-3), false);
         let mut arm = Loop::at_rest(&middle(&robot));
         (0..20).for_each(|_| assert_eq!(arm.step(&controller, [0.0; 6]).hold.time_s, f64::INFINITY));
     }

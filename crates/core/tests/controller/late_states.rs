@@ -1,19 +1,20 @@
 //! States that come late: the arm holds its command and brakes, as its watchdog says, and the controller knows it.
 
+use std::iter;
 use std::sync::Arc;
 
 use revprio_core::controller::{
     AnsweredState, Command, Controller, ControllerConfig, Limits, Measurement, Memory, MemoryError, StepError, Stepper,
     TaskConfig,
 };
-use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
+use revprio_core::limits::{Drive, LimitKind, braking_deceleration, ramp_deceleration};
 use revprio_core::linalg::Vector;
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
-    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, missing_distance, position, sawyer,
-    step, task, with_envelopes, with_free_joints, with_jerk,
+    Loop, NOMINAL, PERIOD, Random, config, controller, force, joint_rows, measurement, missing_distance, position,
+    sawyer, step, task, with_envelopes, with_free_joints, with_jerk,
 };
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::hold::middle;
@@ -84,7 +85,8 @@ impl Client {
                 robot.joints().iter().zip(self.sent.iter_mut().zip(command.resolution.joint_velocity.iter()))
             {
                 let deceleration = braking_deceleration(&joint.limits);
-                let ramp = (answer.abs() - (deceleration * late.max(0.0)).min(f64::MAX)).max(0.0).copysign(*answer);
+                let braking = ramp_deceleration(&joint.limits, *answer, command.hold.stop_time_s);
+                let ramp = (answer.abs() - (braking * late.max(0.0)).min(f64::MAX)).max(0.0).copysign(*answer);
                 let reach = if self.resumes { deceleration * period } else { f64::INFINITY };
                 *sent = ramp.max(*sent - reach).min(*sent + reach);
                 arrived &= *sent == ramp;
@@ -109,7 +111,8 @@ fn controllers(robot: &Arc<RobotModel>, run: &Run, random: &mut Random) -> Vec<S
             let gain = [2.0, 10.0, 50.0][random.below(if period < 0.01 { 3 } else { 2 })];
             let posture = TaskConfig { rows: joint_rows(&target), ..task(&[Axis::X], position(target.len(), gain)) };
             let limits = Limits::Robot(run.limits);
-            let config = config(robot, vec![posture]);
+            let yields = run.reads_wrench.then(|| task(&[Axis::Z], force(&[Axis::Z], &[0.0])));
+            let config = config(robot, iter::once(posture).chain(yields).collect());
             Stepper::new(controller(ControllerConfig { limits, drive, period_s: period, ..config })).unwrap()
         })
         .collect()
@@ -117,6 +120,7 @@ fn controllers(robot: &Arc<RobotModel>, run: &Run, random: &mut Random) -> Vec<S
 
 /// A run of an arm.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a property of a run by itself")]
 struct Run {
     period: f64,
     /// For how long the joints move to one target, s.
@@ -134,6 +138,8 @@ struct Run {
     free_joints: bool,
     /// Whether all joints have velocity envelopes; those of `fr3` do.
     envelopes: bool,
+    /// Whether the lowest task reads a wrench, so that a watchdog lets all joints stop together.
+    reads_wrench: bool,
 }
 
 /// The clock of the states.
@@ -221,6 +227,7 @@ const RUN: Run = Run {
     limits: LimitKind::PositionVelocityAcceleration,
     free_joints: false,
     envelopes: false,
+    reads_wrench: false,
 };
 
 const NEVER: Lateness = Lateness { percent: 0, most: 1, kills: false };
@@ -247,6 +254,32 @@ fn late_states_lead_no_joint_out_of_its_range_behind_a_drive() {
     assert!(outside[0] < NOISE_MARGIN, "{outside:?}");
     assert!(change < 1.0 + 1e-9, "{change} A T");
     assert!(outside[1] > 0.01, "the runs do not show what late states do: {outside:?}");
+}
+
+/// All joints stop together if a law reads a wrench, as long as each has the way for it.
+#[test]
+fn late_states_lead_no_joint_out_of_its_range_if_all_stop_together() {
+    let (mut seed, mut outside, mut change) = (100, f64::NEG_INFINITY, 0.0_f64);
+    let kinds = [LimitKind::PositionVelocityAcceleration, LimitKind::PositionVelocity];
+    for (limits, envelopes) in kinds.into_iter().flat_map(|kind| [(kind, false), (kind, true)]) {
+        for (period, (percent, most, kills)) in [0.001, 0.004, 0.01]
+            .into_iter()
+            .flat_map(|period| [(3, 1, false), (30, 3, true)].map(|late| (period, late)))
+        {
+            let lateness = Lateness { percent, most, kills };
+            for drive in DRIVES {
+                seed += 1;
+                let run = Run { period, drive, stated: drive, lateness, limits, envelopes, reads_wrench: true, ..RUN };
+                let found = run.worst(seed);
+                outside = outside.max(found.outside);
+                let keeps_acceleration = limits == LimitKind::PositionVelocityAcceleration;
+                change = if keeps_acceleration { change.max(found.change) } else { change };
+            }
+        }
+    }
+    println!("all joints stop together: outside {outside:.1e} rad, largest change {change} A T");
+    assert!(outside < 2.0 * NOISE_MARGIN, "{outside:e}");
+    assert!(change < 1.0 + 1e-9, "{change} A T");
 }
 
 /// `valid_for_ms` counts whole milliseconds, and periods need not be some. Also if a client manages every second state only.
@@ -469,6 +502,8 @@ fn a_damaged_last_state_is_refused() {
         AnsweredState { time_s: f64::NAN, ..answered.clone() },
         AnsweredState { joint_position: longer.clone(), ..answered.clone() },
         AnsweredState { way: Some(longer), ..answered.clone() },
+        AnsweredState { stop_time_s: Some(0.0), ..answered.clone() },
+        AnsweredState { stop_time_s: Some(f64::NAN), ..answered.clone() },
         AnsweredState { joint_position: &answered.joint_position * f64::NAN, ..answered },
     ] {
         let mut memory = Some(Memory { answered: Some(damaged), ..memory.clone() });

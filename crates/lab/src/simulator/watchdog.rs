@@ -53,7 +53,11 @@ impl HeldCommand {
         let mut is_reached = true;
         for (joint, (commanded, full)) in self.answer.joint_velocity.iter_mut().zip(&self.velocity).enumerate() {
             let deceleration = self.answer.braking_deceleration.get(joint).copied().flatten().unwrap_or(f64::INFINITY);
-            let decrease = if late_s > ROUNDING_S { deceleration * late_s } else { 0.0 };
+            let decrease = match self.answer.stop_time_s {
+                _ if late_s <= ROUNDING_S => 0.0,
+                Some(time) => full.abs() * (late_s / time),
+                None => deceleration * late_s,
+            };
             let ramp = (full.abs() - decrease).max(0.0).copysign(*full);
             let reach = deceleration * period;
             *commanded = match last.get(joint) {
@@ -101,7 +105,14 @@ mod tests {
         let example = include_str!("../../../../api/examples/answers/step.json");
         let answer: wire::StepAnswer = serde_json::from_str(example).unwrap();
         let (joint_velocity, braking_deceleration) = (velocity.to_vec(), vec![Some(2.0), None]);
-        wire::StepAnswer { sequence, joint_velocity, braking_deceleration, valid_for_ms: 100, ..answer }
+        wire::StepAnswer {
+            sequence,
+            joint_velocity,
+            braking_deceleration,
+            valid_for_ms: 100,
+            stop_time_s: None,
+            ..answer
+        }
     }
 
     fn assert_near(held: &HeldCommand, expected: [f64; 2]) {
@@ -123,6 +134,16 @@ mod tests {
         assert_near(&held, [0.0, 0.3]);
         // The joints have the velocities of the answer, so the next one counts at once.
         assert_near(&HeldCommand::new(answer(5, [1.0, 0.3]), Some(&held), 0.5, 0.1), [1.0, 0.3]);
+    }
+
+    #[test]
+    fn all_joints_come_to_rest_together_if_the_answer_says_when() {
+        let answer = wire::StepAnswer { stop_time_s: Some(0.2), ..answer(0, [0.4, -0.3]) };
+        let mut held = HeldCommand::new(answer, None, 0.0, 0.1);
+        for (time_s, expected) in [(0.1, [0.2, -0.15]), (0.2, [0.0, 0.0]), (0.3, [0.0, 0.0])] {
+            held = held.hold(time_s, 0.1);
+            assert_near(&held, expected);
+        }
     }
 
     #[test]

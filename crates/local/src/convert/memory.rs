@@ -117,7 +117,10 @@ fn answered_state(memory: &wire::Memory, config: &ControllerConfig) -> Result<Op
     };
     check(valid_for_ms <= MAX_VALID_FOR_MS, "/valid_for_ms", format_args!("give at most {MAX_VALID_FOR_MS} ms"))?;
     let way = memory.way.as_ref().map(|way| joint_list(way, config.robot.joint_count(), "/way")).transpose()?;
-    Ok(Some(AnsweredState { time_s, joint_position: position.into(), way, valid_for_ms }))
+    let stop_time_s = memory.stop_time_s;
+    let is_time = stop_time_s.is_none_or(|time| time > 0.0 && time <= 1e9);
+    check(is_time, "/stop_time_s", format_args!("give a positive number up to 1e9"))?;
+    Ok(Some(AnsweredState { time_s, joint_position: position.into(), way, valid_for_ms, stop_time_s }))
 }
 
 /// Reads the last state from the memory of a stateless step; `None` if it has none.
@@ -187,6 +190,7 @@ pub fn memory_answer(controller: &Controller, last: LastState, memory: &Memory) 
         joint_position: Some(last.joint_position),
         start_time_s: Some(memory.start_time_s).filter(|start| *start > 0.0),
         valid_for_ms: memory.answered.as_ref().map(|answered| answered.valid_for_ms),
+        stop_time_s: memory.answered.as_ref().and_then(|answered| answered.stop_time_s),
         way: memory.answered.as_ref().and_then(|answered| Some(answered.way.as_ref()?.as_slice().to_vec())),
         task_velocities: memory.task_velocities.iter().map(|velocity| velocity.as_slice().to_vec()).collect(),
         initial_pose: wire::FramePose {

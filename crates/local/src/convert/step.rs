@@ -139,6 +139,7 @@ pub fn step_answer(
         memory: None,
         channels: channels::commands(command, config),
         valid_for_ms: valid_for_ms(&command.hold, rules),
+        stop_time_s: command.hold.stop_time_s,
         braking_deceleration: config.robot.joints().iter().map(deceleration).collect(),
         warnings: Vec::new(),
         why: Vec::new(),

@@ -150,6 +150,12 @@ impl PlacedFrame<'_> {
         Self { axes: Some(self.axes.map_or(*rotation, |axes| rotation * axes)), ..self }
     }
 
+    /// Returns the frame with the axes of another one.
+    #[must_use]
+    pub fn along_axes_of(self, other: &Self) -> Self {
+        Self { axes: other.axes, ..self }
+    }
+
     /// Converts a vector from the axes of this frame to base axes.
     pub fn to_base(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         self.axes.map_or(*vector, |axes| axes * vector)

@@ -213,6 +213,7 @@ fn remedy_for(kind: &str) -> &'static str {
         "mimic" => ". `tips` instead of `tip` reads the tree, with `mimic`",
         "planar" => ". Replace it by two prismatic joints and a continuous one",
         "floating" => ". Replace it by three prismatic and three continuous joints, or fix it",
+        "closed_loop" => ". It closes a loop: end the chain before it",
         _ => "",
     }
 }

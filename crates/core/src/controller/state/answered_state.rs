@@ -13,4 +13,6 @@ pub struct AnsweredState {
     pub way: Option<Vector>,
     /// Time from the state on for which the command may be held, ms.
     pub valid_for_ms: u64,
+    /// Time in which a watchdog brings all joints to rest together after that, s; `None`: each brakes at its own deceleration.
+    pub stop_time_s: Option<f64>,
 }

@@ -168,7 +168,8 @@ impl Memory {
         }
         let fits = |state: &AnsweredState| {
             let mut vectors = state.way.iter().chain([&state.joint_position]);
-            state.time_s.is_finite() && vectors.all(|v| v.len() == n && finite(v))
+            let stops = state.stop_time_s.is_none_or(|time| time > 0.0 && time.is_finite());
+            stops && state.time_s.is_finite() && vectors.all(|v| v.len() == n && finite(v))
         };
         if !self.answered.as_ref().is_none_or(fits) {
             return Err(MemoryError::AnsweredState);

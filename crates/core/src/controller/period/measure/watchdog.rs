@@ -1,7 +1,7 @@
 //! The commands that the watchdog of an arm sends while no answer comes, and where they lead the arm.
 //!
 //! A joint has the command u when its last answer comes. The watchdog holds u while it is valid, then it lowers |u| with the
-//! deceleration of the joint to 0. So the commands are two [`Ramp`]s, then zeros. The velocity behind a first-order lag with
+//! deceleration of the joint to 0, or with one that lets all joints stop together. So the commands are two [`Ramp`]s, then zeros. The velocity behind a first-order lag with
 //! v ← u + (v − u) r, r = e^(−T/L), follows the commands f, f + s, f + 2 s, … with
 //!
 //! vᵢ = v₀ + (f − v₀) (1 − rⁱ) + s (i − (1 − rⁱ)/(1 − r)).
@@ -12,7 +12,7 @@
 use revprio_robot::{JointLimits, RobotModel};
 
 use crate::controller::state::AnsweredState;
-use crate::limits::{Drive, DriveState, braking_deceleration};
+use crate::limits::{Drive, DriveState, ramp_deceleration};
 use crate::linalg::Vector;
 
 /// Tolerance of the age of a command, s, because sums of periods are not exact.
@@ -47,7 +47,7 @@ impl Watchdog<'_> {
             rest_moved: Vector::zeros(self.command.len()),
         };
         for (i, joint) in self.robot.joints().iter().enumerate() {
-            let sent = SentCommands::new(self.command[i], &joint.limits, self.answered.valid_for_ms, self.period);
+            let sent = SentCommands::new(self.command[i], &joint.limits, self.answered, self.period);
             after.command[i] = sent.at(periods as f64);
             after.rest_moved[i] = self.period * sent.ramps(periods as f64).map(|ramp| ramp.sum()).sum::<f64>();
             after.drive.velocity[i] = self.velocity_after(before, i, &sent, periods);
@@ -119,10 +119,11 @@ struct SentCommands {
 }
 
 impl SentCommands {
-    fn new(full: f64, limits: &JointLimits, valid_for_ms: u64, period: f64) -> Self {
-        let valid = valid_for_ms as f64 / 1e3 / period;
+    fn new(full: f64, limits: &JointLimits, answered: &AnsweredState, period: f64) -> Self {
+        let valid = answered.valid_for_ms as f64 / 1e3 / period;
         let held = (valid + ROUNDING_S / period - 1.0).floor().max(0.0);
-        Self { full, decrease: braking_deceleration(limits) * period, valid, held }
+        let decrease = ramp_deceleration(limits, full, answered.stop_time_s) * period;
+        Self { full, decrease, valid, held }
     }
 
     /// Returns a command, from number 1 on: that of the ramp at the end of its period.
@@ -154,6 +155,7 @@ mod tests {
     use revprio_robot::built_in;
 
     use super::*;
+    use crate::limits::braking_deceleration;
 
     const T: f64 = 0.004;
 
@@ -168,7 +170,11 @@ mod tests {
             let late_s = (k + 1) as f64 * T - watchdog.answered.valid_for_ms as f64 / 1e3;
             if late_s > ROUNDING_S {
                 for (i, joint) in watchdog.robot.joints().iter().enumerate() {
-                    let (full, decrease) = (watchdog.command[i], braking_deceleration(&joint.limits) * late_s);
+                    let full = watchdog.command[i];
+                    let decrease = match watchdog.answered.stop_time_s {
+                        Some(time) => full.abs() * (late_s / time).min(1.0),
+                        None => braking_deceleration(&joint.limits) * late_s,
+                    };
                     after.command[i] = (full.abs() - decrease).max(0.0).copysign(full);
                 }
             }
@@ -184,6 +190,7 @@ mod tests {
             lag_s in prop_oneof![Just(0.0), 1e-4..0.5_f64, Just(1e300)],
             delay_periods in 0_usize..8,
             valid_for_ms in 0..500_u64,
+            stop_time_s in prop::option::of(prop_oneof![1e-9..1e-3, 1e-3..2.0_f64, Just(1e300)]),
             periods in prop_oneof![1..20_usize, 1..2000_usize],
             robot in 0..built_in().len(),
             speeds in prop::collection::vec(prop_oneof![Just(0.0), -2.0..2.0_f64], 80),
@@ -193,7 +200,7 @@ mod tests {
             let vector = |which: usize| Vector::from_fn(n, |i, _| speeds[(7 * which + i) % speeds.len()]);
             let drive = Drive { lag_s, delay_periods };
             let before = DriveState { velocity: vector(9), pending: (0..delay_periods).map(vector).collect() };
-            let answered = AnsweredState { time_s: 0.0, joint_position: Vector::zeros(n), way: None, valid_for_ms };
+            let answered = AnsweredState { time_s: 0.0, joint_position: Vector::zeros(n), way: None, valid_for_ms, stop_time_s };
             let command = vector(10);
             let watchdog = Watchdog { robot, command: &command, answered: &answered, drive, period: T };
             let (expected, found) = (period_by_period(&watchdog, &before, periods), watchdog.follow(&before, periods));
@@ -213,7 +220,8 @@ mod tests {
         let command = Vector::from_element(robot.joint_count(), 0.5);
         let (drive, joint_position) = (Drive { lag_s: 0.05, delay_periods: 64 }, Vector::zeros(command.len()));
         let before = DriveState { velocity: Vector::zeros(command.len()), pending: vec![joint_position.clone(); 64] };
-        let answered = AnsweredState { time_s: 0.0, joint_position, way: None, valid_for_ms: u64::MAX };
+        let answered =
+            AnsweredState { time_s: 0.0, joint_position, way: None, valid_for_ms: u64::MAX, stop_time_s: None };
         let watchdog = Watchdog { robot, command: &command, answered: &answered, drive, period: T };
         let after = watchdog.follow(&before, 1_000_000_000);
         assert_eq!((&after.command, &after.drive.velocity), (&command, &command));

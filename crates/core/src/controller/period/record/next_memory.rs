@@ -71,7 +71,8 @@ fn update_jerk(memory: &mut Memory, config: &ControllerConfig, command: &Vector,
 fn remember_state(memory: &mut Memory, config: &ControllerConfig, measurement: &Measurement, command: &Command) {
     let Measurement { time_s, joint_position, .. } = measurement;
     let zeros = || Vector::zeros(joint_position.len());
-    let empty = || AnsweredState { time_s: 0.0, joint_position: zeros(), way: None, valid_for_ms: 0 };
+    let empty =
+        || AnsweredState { time_s: 0.0, joint_position: zeros(), way: None, valid_for_ms: 0, stop_time_s: None };
     memory.initial_position.get_or_insert_with(|| Vector::from_row_slice(joint_position));
     let answered = memory.answered.get_or_insert_with(empty);
     answered.time_s = *time_s;
@@ -80,6 +81,7 @@ fn remember_state(memory: &mut Memory, config: &ControllerConfig, measurement: &
         *way = memory.drive.way(config.drive, joint, &command.resolution.joint_velocity, config.period_s);
     }
     answered.valid_for_ms = command.hold.valid_for_ms(config.valid_for_ms);
+    answered.stop_time_s = command.hold.stop_time_s;
 }
 
 /// Keeps the streams of this period.

@@ -4,6 +4,7 @@ use revprio_robot::kinematics::Configuration;
 
 use super::super::aim::{PressingAxis, Requests};
 use crate::arm_state::ArmState;
+use crate::constraint;
 use crate::controller::config::ControllerConfig;
 use crate::law::ContactPhase;
 use crate::limits::{Hold, braking_deceleration, spare_time};
@@ -17,7 +18,7 @@ const ARC_TIME: f64 = 0.05;
 pub(super) struct HeldMotion {
     configuration: Configuration,
     position: Vec<f64>,
-    /// Jacobians there of the tasks that press; empty for the others.
+    /// Jacobians there of the tasks that press, along the axes that their frames have now; empty for the others.
     jacobians: Vec<Matrix>,
 }
 
@@ -44,7 +45,7 @@ impl HeldMotion {
         for (task, jacobian) in
             config.tasks.iter().zip(&mut self.jacobians).filter(|(_, jacobian)| jacobian.nrows() > 0)
         {
-            task.rows.write_jacobian(arm.later(&self.configuration, 0.0), jacobian);
+            task.rows.write_jacobian_along(arm.later(&self.configuration, 0.0), arm.at_rest(), jacobian);
         }
     }
 
@@ -72,10 +73,20 @@ impl Holding<'_> {
             Some(kind) => hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, command, config.period_s),
             None => *hold = Hold::default(),
         }
+        if self.stops_together() {
+            hold.stop_together(&config.robot, config.kept_limits(), arm.motion(), command, config.period_s);
+        }
         if let Some(held) = &mut self.held {
             held.update(command, config, arm);
         }
         hold.shorten(self.pressing_time(command, tasks), config.period_s);
+    }
+
+    /// Returns whether a watchdog is to keep the direction of a tool that may touch. The distances of obstacles count with joints that brake
+    /// at their own decelerations.
+    fn stops_together(&self) -> bool {
+        constraint::distances(&self.config.constraints).is_none()
+            && self.config.tasks.iter().any(|task| task.law.reads_wrench())
     }
 
     /// Returns the time after which a command has added its target to a force, or max(2 T, 10 ms) if that is more, s; infinite without a tool

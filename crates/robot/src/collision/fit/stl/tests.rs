@@ -47,19 +47,19 @@ fn a_binary_file_with_another_size_than_its_header_says_is_refused() {
         let whole = binary(header, &triangles(1000));
         for size in [84, 84 + 50 * 500, 84 + 50 * 500 + 7, whole.len() - 1] {
             let error = read(&whole[..size]).unwrap_err();
-            assert_eq!(error, StlError::Size { stated: 1000, room: (size - 84) / 50, size }, "{header}");
+            assert_eq!(error, StlError::Size { stated: 1000, found: (size - 84) / 50, size }, "{header}");
         }
         let longer = [whole.as_slice(), &[0; 100]].concat();
-        assert_eq!(read(&longer), Err(StlError::Size { stated: 1000, room: 1002, size: longer.len() }));
+        assert_eq!(read(&longer), Err(StlError::Size { stated: 1000, found: 1002, size: longer.len() }));
     }
     let error = read(&binary("", &triangles(1000))[..84 + 50 * 500]).unwrap_err().to_string();
-    assert!(error.contains("states 1000 triangles") && error.contains("room for 500"), "{error}");
+    assert!(error.contains("states 1000 triangles") && error.contains("is that of 500"), "{error}");
     assert_eq!(read(b""), Err(StlError::NotStl));
     assert_eq!(read(b"version https://git-lfs.github.com/spec/v1"), Err(StlError::NotStl));
 }
 
 #[test]
-fn ascii_files_are_read_whatever_their_name_case_and_line_ends_are() {
+fn ascii_files_are_read_whatever_their_name_case_and_lines_are() {
     let text = ascii(&triangles(9));
     let files = [
         text.clone(),
@@ -69,6 +69,9 @@ fn ascii_files_are_read_whatever_their_name_case_and_line_ends_are() {
         text.replace('\n', "\r\n"),
         text.replace('\n', "\r"),
         text.trim_end().to_owned(),
+        format!("\u{feff}{text}"),
+        text.replace("loop\nvertex", "loop vertex").replace("endloop\nend", "endloop end"),
+        text.replace("vertex ", "vertex\n"),
     ];
     for file in files {
         assert_eq!(read(file.as_bytes()), Ok(triangles(9)), "{file}");
@@ -87,10 +90,11 @@ fn an_ascii_file_that_is_cut_or_wrong_is_refused() {
         assert_eq!(read(lines[..count].join("\n").as_bytes()), Err(StlError::Unfinished), "{count} lines");
     }
     let refused = |from: &str, to: &str| read(text.replacen(from, to, 1).as_bytes()).unwrap_err();
-    let line = |facet, expected| StlError::Line { facet, expected };
-    assert_eq!(refused("vertex 0 0 -1", "vertex 0 0"), line(1, "vertex X Y Z"));
-    assert_eq!(refused("vertex 0 0 -1", "vertex 0 0 -1 2"), line(1, "vertex X Y Z"));
-    assert_eq!(refused("vertex 0 0 -1\n", ""), line(1, "vertex"));
-    assert_eq!(refused("endfacet\nfacet", "endfacet\nsolid"), line(2, "facet"));
-    assert_eq!(refused("endsolid a part", "endsolid\nfacet"), line(3, "solid"));
+    let word = |facet, expected| StlError::Word { facet, expected };
+    assert_eq!(refused("normal 0 0 1", "normal 0 0"), word(1, "X Y Z behind normal"));
+    assert_eq!(refused("vertex 0 0 -1", "vertex 0 0"), word(1, "X Y Z behind vertex"));
+    assert_eq!(refused("vertex 0 0 -1", "vertex 0 0 -1 2"), word(1, "vertex"));
+    assert_eq!(refused("vertex 0 0 -1\n", ""), word(1, "vertex"));
+    assert_eq!(refused("endfacet\nfacet", "endfacet\nsolid"), word(2, "facet"));
+    assert_eq!(refused("endsolid a part", "endsolid\nfacet"), word(3, "solid"));
 }
