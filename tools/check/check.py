@@ -81,8 +81,12 @@ def lengths(request, answer):
         names += ["jacobian"] if task.get("jacobian") else []
         achieved = f"answer.tasks[{k}].achieved", found["achieved"]
         yield from ((f"request.tasks[{k}].{name}", task.get(name) or [], *achieved) for name in names)
+    joints = "answer.joint_velocity", answer["joint_velocity"]
+    if isinstance(request.get("joint_position"), list):
+        yield "request.joint_position", request["joint_position"], *joints
+    for k, task in enumerate(request["tasks"]):
+        yield from ((f"request.tasks[{k}].jacobian[{i}]", row, *joints) for i, row in enumerate(task.get("jacobian") or []))
     if isinstance(request.get("limits"), dict):
-        joints = "answer.joint_velocity", answer["joint_velocity"]
         yield from ((f"request.limits.{side}", request["limits"][side], *joints) for side in SIDES)
     for k, problem in enumerate((answer.get("certificate") or {}).get("problems", [])):
         here = f"answer.certificate.problems[{k}]"
@@ -109,6 +113,11 @@ def check_form(request, answer):
                                for one, a, other, b in lengths(request, answer) if len(a) != len(b)), ""):
         raise ValueError(wrong)
     certificate = answer.get("certificate") or {"answer": [], "problems": []}
+    n, scales = len(answer["joint_velocity"]), sum(bool(task.get("scale")) for task in request["tasks"])
+    for k, problem in enumerate(certificate["problems"]):
+        if not n <= len(problem["solution"]) <= n + scales:
+            raise ValueError(f"`answer.certificate.problems[{k}].solution` has {len(problem['solution'])} entries for {n} joints "
+                             f"in `answer.joint_velocity`" + f" and {scales} scaled tasks" * bool(scales))
     for i, part in enumerate(certificate["answer"]):
         if not 0 <= part["problem"] < len(certificate["problems"]):
             raise ValueError(f"`answer.certificate.answer[{i}].problem` is {part['problem']}, which is the index of no problem")

@@ -222,6 +222,10 @@ class Attacks(unittest.TestCase):
                  '`answer.solver.status` must be failed or not_certified or optimal, not "fine"'),
                 (("answer", "joint_velocity", 0), True, "`answer.joint_velocity[0]` must be a finite number, not true"),
                 (("answer", "joint_velocity", 0), 10**400, "`answer.joint_velocity[0]` must be a finite number, not 1000"),
+                (("answer", "joint_velocity"), [0.5], "has 2 entries, and `answer.joint_velocity` has 1"),
+                (("answer", "joint_velocity"), [], "has 2 entries, and `answer.joint_velocity` has 0"),
+                (("request", "joint_position"), [0.0], "`request.joint_position` has 1 entries, and `answer.joint_velocity` has 2"),
+                (("request", "tasks", 0, "jacobian"), [[1.0]], "`request.tasks[0].jacobian[0]` has 1 entries, and `answer.joint"),
                 (("answer", "tasks"), [], "`answer.tasks` has 0 entries, and `request.tasks` has 1"),
                 (("answer", "active_limits", 0, "side"), "left", '`answer.active_limits[0].side` must be lower or upper, not "left"'),
                 (("answer", "certificate", "answer", 0, "problem"), 5,
@@ -235,6 +239,15 @@ class Attacks(unittest.TestCase):
             self.assertEqual(status, 2, words)
             self.assertTrue(words.startswith("answer 1: cannot be read: `"), words)
             self.assertIn(text, words.splitlines()[0])
+
+    def test_an_answer_of_a_robot_has_all_its_joints(self):
+        request, answer = solved()
+        tasks = [{name: task[name] for name in task if name != "jacobian"} for task in request["tasks"]]
+        request = {**request, "robot": "mine", "limits": "none", "tasks": tasks}
+        for short in ([], answer["joint_velocity"][:1]):
+            status, words = printed(json.dumps(request), json.dumps({**answer, "joint_velocity": short}))
+            self.assertEqual(status, 2, words)
+            self.assertIn(f"`answer.certificate.problems[0].solution` has 2 entries for {len(short)} joints", words)
 
     def test_an_unreadable_text_is_named(self):
         request, answer = map(json.dumps, solved())
