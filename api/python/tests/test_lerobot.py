@@ -117,10 +117,56 @@ def test_motors_are_the_joints_with_their_names(kinematics: RobotKinematics, mot
     assert now["gripper.pos"] == 10.0
 
 
-@pytest.mark.parametrize("motors", [NAMES[:-1], [f"motor_{name}" for name in NAMES[:-1]]])
-def test_motors_that_lack_a_joint_are_refused(kinematics: RobotKinematics, motors: list[str]) -> None:
+@pytest.mark.parametrize(
+    "motors",
+    [
+        NAMES[:-1],
+        [f"motor_{name}" for name in NAMES[:-1]],
+        # By their places, the gripper would move the first joint.
+        ["left_gripper", *(f"motor_{name}" for name in NAMES)],
+    ],
+)
+def test_motors_that_do_not_match_the_joints_are_refused(kinematics: RobotKinematics, motors: list[str]) -> None:
     with pytest.raises(ValueError, match="joint"):
         EEToJoints(kinematics, motors)
+
+
+def test_a_name_given_twice_is_refused(kinematics: RobotKinematics) -> None:
+    with pytest.raises(ValueError, match="motor_names has a, b more than once"):
+        EEToJoints(kinematics, ["b", "a", "a", "b", "c", "d", "e"])
+    with pytest.raises(ValueError, match=f"joint_names has {NAMES[0]} more than once"):
+        RobotKinematics(kinematics.urdf_path, kinematics.target_frame_name, [*NAMES, NAMES[0]])
+
+
+@pytest.mark.parametrize("motors", [["gripper", *"abcdefg"], [*"abcdefg", "gripper"]])
+@pytest.mark.parametrize("names", [["hand", *NAMES], [*NAMES, "hand"], ["hand", *reversed(NAMES)]])
+def test_motors_with_other_names_are_the_joints_that_move_the_frame(
+    kinematics: RobotKinematics, names: list[str], motors: list[str]
+) -> None:
+    """The place of a joint that does not move the frame shifts no motor."""
+    own = RobotKinematics(kinematics.urdf_path, kinematics.target_frame_name, names)
+    joints = [name for name in names if name != "hand"]
+    start = dict(zip(NAMES, START, strict=True))
+    observation = {"gripper.pos": 1.0} | {f"{m}.pos": start[joint] for m, joint in zip("abcdefg", joints, strict=True)}
+    step = EEToJoints(own, motors)
+    held = step.process(ee_action(kinematics.forward_kinematics(START)), observation)
+    assert {name: held[name] for name in observation} == pytest.approx(observation, abs=1e-3)
+
+
+def test_a_pose_without_a_rotation_and_negative_weights_are_refused(kinematics: RobotKinematics) -> None:
+    for wrong in (np.zeros((4, 4)), 2.0 * np.eye(4), np.diag([1.0, 1.0, -1.0, 1.0])):
+        with pytest.raises(ValueError, match="no rotation matrix"):
+            kinematics.inverse_kinematics(START, wrong)
+    with pytest.raises(ValueError, match="weights of at least 0"):
+        kinematics.inverse_kinematics(START, kinematics.forward_kinematics(START), position_weight=-1.0)
+
+
+def test_a_sliding_joint_is_refused(tmp_path: Path, kinematics: RobotKinematics) -> None:
+    text = Path(kinematics.urdf_path).read_text(encoding="utf-8")
+    sliding = tmp_path / "sliding.urdf"
+    sliding.write_text(text.replace('type="revolute"', 'type="prismatic"', 1), encoding="utf-8")
+    with pytest.raises(ValueError, match=f"{NAMES[0]} slides"):
+        RobotKinematics(str(sliding), kinematics.target_frame_name)
 
 
 def test_names_that_lack_a_joint_of_the_chain_are_refused(kinematics: RobotKinematics) -> None:

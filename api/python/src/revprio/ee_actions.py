@@ -35,6 +35,9 @@ TRUST_RAD = 0.3
 ARRIVED_RAD = 1e-7
 """A step below this ends the iteration, rad."""
 
+ROTATION_ERROR = 1e-3
+"""Largest error of an entry of R Rᵀ for a rotation matrix R: poses may be rounded."""
+
 LARGEST = 1e6
 """Errors of the position count as at most this, m; an action with a larger number holds the last one, m or rad."""
 
@@ -57,7 +60,7 @@ class RobotKinematics:
         text = Path(urdf_path).read_text(encoding="utf-8")
         name = f"lerobot-{re.sub('[^A-Za-z0-9_.-]', '-', Path(urdf_path).stem)[:32]}-{next(_numbers)}"
         joints = _moving_joints(text)
-        slow = {joint: StatedLimits(velocity=SPEED_RAD_S) for joint, has_speed in joints.items() if not has_speed}
+        slow = {joint: StatedLimits(velocity=SPEED_RAD_S) for joint in _without_speed(text)}
         robot = LOCAL.register_robot(name=name, urdf=text, tip=target_frame_name, limits=slow or None)
         finalizer = weakref.finalize(self, LOCAL.delete_robot, robot.name)
         finalizer.atexit = False
@@ -66,6 +69,11 @@ class RobotKinematics:
         # The joints that move the frame, from the root on.
         self.chain = [joint.name for joint in robot.joints]
         self.joint_names = joint_names or [*self.chain, *(joint for joint in joints if joint not in self.chain)]
+        _refuse_repeated("joint_names", self.joint_names)
+        sliding = [joint for joint in self.chain if joints.get(joint) == "prismatic"]
+        if sliding:
+            message = f"{', '.join(sliding)} slides; positions are degrees, so joints that move the frame must turn"
+            raise ValueError(message)
         missing = [joint for joint in self.chain if joint not in self.joint_names]
         if missing:
             message = f"`joint_names` lacks {', '.join(missing)}; give all joints that move `{target_frame_name}`"
@@ -92,12 +100,18 @@ class RobotKinematics:
 
         `current_joint_pos`: where the iteration starts, degrees; more entries than joints, such as a gripper, keep
         their values. The weights weigh metres against radians as in LeRobot. Numbers that are not finite change
-        nothing.
+        nothing. Raises `ValueError` for a pose whose rotation is none, and for weights below 0.
         """
         current, desired = np.asarray(current_joint_pos, dtype=float), np.asarray(desired_ee_pose, dtype=float)
         result = current.copy()
         if not (np.isfinite(desired).all() and np.isfinite(current).all()):
             return result
+        rotation = desired[:3, :3]
+        if np.abs(rotation @ rotation.T - np.eye(3)).max() > ROTATION_ERROR or np.linalg.det(rotation) < 0:
+            raise ValueError("desired_ee_pose has no rotation matrix in its first three rows and columns")
+        if not (position_weight >= 0 and orientation_weight >= 0):
+            message = f"give weights of at least 0, not {position_weight!r} and {orientation_weight!r}"
+            raise ValueError(message)
         q = np.clip(self._radians(current), self._ranges[:, 0], self._ranges[:, 1])
         weights = np.sqrt([position_weight] * 3 + [orientation_weight] * 3)
         for _ in range(STEPS):
@@ -140,8 +154,9 @@ class EEToJoints:
     """Turns end-effector actions into joint actions, as LeRobot's `InverseKinematicsEEToJoints`, and bounds them.
 
     An action has `ee.x` … `ee.z` (m), `ee.wx` … `ee.wz` (rotation vector, rad) and `ee.gripper_pos`; it becomes
-    `NAME.pos` (degrees) of each motor. Motors with the names of the joints are those joints; with other names, they are
-    the joints of the kinematics in their order, apart from the gripper. Where a joint would move faster than allowed,
+    `NAME.pos` (degrees) of each motor. Motors with the names of the joints are those joints. With other names, the
+    motors other than `gripper` are the joints that move the frame, in the order of `joint_names` of the kinematics;
+    their numbers must be equal. Where a joint would move faster than allowed,
     all joints move by the same, smaller part of the way: the direction stays, and nothing is raised. The next actions
     make up for it. An action that lacks numbers, or has some that are not finite or beyond a million, holds the last
     joint action.
@@ -161,16 +176,21 @@ class EEToJoints:
     """Part of the way that the last action was allowed to go, 0 to 1."""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` for a period or a speed that is not a positive number, and if some joints are no motors.
+        """Raises `ValueError` for a period or speed that is no positive number, and if motors and joints do not match.
 
         NaN would bound nothing.
         """
+        _refuse_repeated("motor_names", self.motor_names)
         missing = [joint for joint in self.kinematics.chain if joint not in self.motor_names]
         if 0 < len(missing) < len(self.kinematics.chain):
             raise ValueError(f"motor_names has some joints of the kinematics, but not {', '.join(missing)}")
         arm = self._arm()
-        if missing and len(arm) < len(self.kinematics.chain):
-            raise ValueError(f"the kinematics has {len(self.kinematics.chain)} joints, motor_names only {len(arm)}")
+        if missing and len(arm) != len(self.kinematics.chain):
+            message = (
+                f"motor_names has {len(arm)} motors other than `gripper`, but {len(self.kinematics.chain)} joints move "
+                f"the frame; name the motors as these joints: {', '.join(self.kinematics.chain)}"
+            )
+            raise ValueError(message)
         speeds = {"max_speed_deg_s": self.max_speed_deg_s}
         if isinstance(self.max_speed_deg_s, Mapping):
             speeds = {f"max_speed_deg_s of {name}": self._speed(name) for name in self._arm()}
@@ -194,11 +214,12 @@ class EEToJoints:
         """Starts the next action from its observation."""
         self.last, self.scale = None, 1.0
 
-    def _motors(self) -> list[str]:
-        """Returns the motors in the order of the joints of the kinematics, and other joints by their own names."""
-        if set(self.kinematics.chain) <= set(self.motor_names):
-            return self.kinematics.joint_names
-        return [*self._arm(), *(name for name in self.motor_names if name == "gripper")]
+    def _motors(self) -> dict[str, str]:
+        """Returns the motor of each joint that moves the frame."""
+        chain = [joint for joint in self.kinematics.joint_names if joint in self.kinematics.chain]
+        if set(chain) <= set(self.motor_names):
+            return {joint: joint for joint in chain}
+        return dict(zip(chain, self._arm(), strict=True))
 
     def _wanted(self, action: Mapping[str, Any], last: Mapping[str, float]) -> dict[str, float]:
         names = ("ee.x", "ee.y", "ee.z", "ee.wx", "ee.wy", "ee.wz")
@@ -207,9 +228,11 @@ class EEToJoints:
         if all(abs(number) <= LARGEST for number in numbers):
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = _rotation(numbers[3:]), numbers[:3]
-            motors = self._motors()
-            solution = self.kinematics.inverse_kinematics([last.get(motor, 0.0) for motor in motors], pose)
-            wanted |= {motor: value for motor, value in zip(motors, solution.tolist(), strict=True) if motor in last}
+            motors, joints = self._motors(), self.kinematics.joint_names
+            current = [last[motors[joint]] if joint in motors else 0.0 for joint in joints]
+            solution = self.kinematics.inverse_kinematics(current, pose)
+            found = dict(zip(joints, solution.tolist(), strict=True))
+            wanted |= {motor: found[joint] for joint, motor in motors.items()}
         gripper = _number(action.get("ee.gripper_pos"))
         if "gripper" in wanted and math.isfinite(gripper):
             wanted["gripper"] = gripper
@@ -256,20 +279,35 @@ def _number(value: object) -> float:
         return math.nan
 
 
-def _moving_joints(urdf: str) -> dict[str, bool]:
-    """Returns the joints that move by themselves, and whether the text has their speed limit."""
-    root = ET.fromstring(urdf)
-    moving = [
+def _refuse_repeated(argument: str, names: Sequence[str]) -> None:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        message = f"{argument} has {', '.join(repeated)} more than once"
+        raise ValueError(message)
+
+
+def _moving(urdf: str) -> list[ET.Element]:
+    """Returns the joints that move by themselves."""
+    return [
         joint
-        for joint in root.iter("joint")
+        for joint in ET.fromstring(urdf).iter("joint")
         if joint.get("type") in ("revolute", "continuous", "prismatic") and joint.find("mimic") is None
     ]
+
+
+def _moving_joints(urdf: str) -> dict[str, str]:
+    """Returns the names and types of the joints that move by themselves."""
+    return {str(joint.get("name")): str(joint.get("type")) for joint in _moving(urdf)}
+
+
+def _without_speed(urdf: str) -> list[str]:
+    """Returns the joints that move by themselves and have no speed limit."""
 
     def has_speed(joint: ET.Element) -> bool:
         limit = joint.find("limit")
         return limit is not None and _number(limit.get("velocity")) > 0
 
-    return {str(joint.get("name")): has_speed(joint) for joint in moving}
+    return [str(joint.get("name")) for joint in _moving(urdf) if not has_speed(joint)]
 
 
 def _matrix(pose: Any) -> Array:  # noqa: ANN401
