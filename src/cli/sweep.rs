@@ -109,7 +109,7 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     let Some(name) = &options.scenario else {
         let whole = sweep::merge(&options.merge).map_err(refused)?;
         let name = whole.identity.scenario["name"].as_str().unwrap_or_default();
-        return finish(options, &format!("sweep-{name}"), &whole);
+        return refuse_none(finish(options, &format!("sweep-{name}"), &whole)?);
     };
     let scenario = Scenario::find(name)?;
     let variations = options.vary.iter().cloned().chain(options.seeds.map(Seeds::variation)).collect();
@@ -127,8 +127,14 @@ pub fn run(options: &Options) -> Result<(), CliError> {
     }
     rows.extend(run_cells(options, &plan, &cells, &partial, &label)?);
     let identity = plan.identity();
-    finish(options, &label, &Written { identity, rows })?;
-    partial.remove().map_err(|error| refused(format!("cannot remove {}: {error}", path.display())))
+    let are_simulated = finish(options, &label, &Written { identity, rows })?;
+    partial.remove().map_err(|error| refused(format!("cannot remove {}: {error}", path.display())))?;
+    refuse_none(are_simulated)
+}
+
+/// Fails if no cell was simulated.
+fn refuse_none(are_simulated: bool) -> Result<(), CliError> {
+    if are_simulated { Ok(()) } else { Err(CliError::Sweep("no cell was simulated".to_owned())) }
 }
 
 /// Runs the cells on all threads.
@@ -158,8 +164,8 @@ fn run_cells(
     Ok(rows)
 }
 
-/// Writes the table and the figures, and prints the outcomes of the cells.
-fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliError> {
+/// Writes the table and the figures, and prints the outcomes of the cells. Returns whether any cell was simulated.
+fn finish(options: &Options, label: &str, whole: &Written) -> Result<bool, CliError> {
     let variations: Vec<Variation> = whole
         .identity
         .vary
@@ -178,7 +184,7 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     let drawn = figures::write(&options.out, label, &variations, &options.draw, &kinds, &whole.rows)?;
     let place = kinds.iter().position(|(name, _)| name == "outcome").unwrap_or(0);
     let ended = |word: &str| whole.rows.values().filter(|row| row[place] == Value::Word(word.to_owned())).count();
-    let has_none = ended("finished") + ended("diverged") == 0;
+    let are_simulated = ended("finished") + ended("diverged") > 0;
     let outcomes = ["finished", "diverged", "refused", "failed"].map(|word| (ended(word), word));
     let outcomes: Vec<String> =
         outcomes.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
@@ -189,7 +195,7 @@ fn finish(options: &Options, label: &str, whole: &Written) -> Result<(), CliErro
     for figure in drawn {
         print_text(format_args!("figure: {}\n", figure.display()))?;
     }
-    if has_none { Err(CliError::Sweep("no cell was simulated".to_owned())) } else { Ok(()) }
+    Ok(are_simulated)
 }
 
 /// Returns whether a file is the table or a figure of a sweep.

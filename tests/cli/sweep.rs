@@ -121,6 +121,8 @@ fn a_sweep_without_a_simulated_cell_fails() {
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stdout).contains("2 cells: 2 refused"));
     assert!(String::from_utf8_lossy(&output.stderr).contains("no cell was simulated"));
+    // What is right now is not taken for the rest of what was wrong.
+    sweep(&[&file, "--out", &scratch.argument("out"), "--vary", "environment.stiffness=1e3"]);
 }
 
 #[test]
@@ -130,6 +132,11 @@ fn errors_are_found_before_the_first_run() {
     let refusal = |more: &[&str]| failure(&[&["sweep", &file, "--out", &out][..], more].concat());
     assert!(refusal(&["--vary", "environment.stifness=1,2"]).contains("stifness"));
     assert!(refusal(&["--vary", "loop.lag_s=0,1", "--vary", "loop.lag_s=2"]).contains("varied twice"));
+    for other in ["velocity_loop.lag_s=2", "velocity_loop=2"] {
+        assert!(refusal(&["--vary", "loop.lag_s=0,1", "--vary", other]).contains("varied twice, also as `loop.lag_s`"));
+    }
+    let walls = ["--vary", "contacts.*.stiffness=1e3", "--vary", "contacts.0.stiffness=1e4"];
+    assert!(refusal(&walls).contains("varied twice"));
     assert!(refusal(&["--vary", "method=reverse_priority,newton"]).contains("newton"));
     assert!(refusal(&["--draw", "beauty"]).contains("known: rmse_force_x_n"));
     std::fs::write(scratch.path().join("out/sweep-stiff_wall.partial"), "another\n").unwrap();

@@ -51,10 +51,13 @@ impl Partial {
         self.file.lock().unwrap_or_else(PoisonError::into_inner).write_all(&line)
     }
 
-    /// Removes the file.
+    /// Removes the file, unless another run of the same sweep has done so.
     pub fn remove(self) -> io::Result<()> {
         drop(self.file);
-        std::fs::remove_file(self.path)
+        match std::fs::remove_file(self.path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
     }
 }
 

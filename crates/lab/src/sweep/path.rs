@@ -18,6 +18,12 @@ pub fn set(scenario: &mut Value, path: &str, value: &Value) -> Result<(), String
     descend(scenario, &steps, value).map_err(|problem| format!("`{path}` {problem}"))
 }
 
+/// Returns whether two paths lead to the same field, or one to a part of what the other sets.
+pub fn overlap(a: &str, b: &str) -> bool {
+    let (a, b) = (expand(a), expand(b));
+    a.split('.').zip(b.split('.')).all(|(a, b)| a == b || a == "*" || b == "*")
+}
+
 fn expand(path: &str) -> String {
     let short = ABBREVIATIONS.iter().find(|(short, _)| match short.strip_suffix('.') {
         Some(_) => path.starts_with(short),

@@ -44,8 +44,8 @@ impl Plan {
     pub fn new(scenario: &Scenario, variations: Vec<Variation>) -> Result<Self, String> {
         let base = serde_json::to_value(scenario).map_err(|error| error.to_string())?;
         for (i, variation) in variations.iter().enumerate() {
-            if variations[..i].iter().any(|other| other.path == variation.path) {
-                return Err(format!("`{}` is varied twice", variation.path));
+            if let Some(other) = variations[..i].iter().find(|other| path::overlap(&other.path, &variation.path)) {
+                return Err(format!("`{}` is varied twice, also as `{}`; vary it once", variation.path, other.path));
             }
         }
         let cells = variations.iter().try_fold(1_usize, |cells, variation| cells.checked_mul(variation.values.len()));
