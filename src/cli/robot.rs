@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use revprio_api::wire::{CollisionPairs, LinkShape, Pose, RegisteredTip, RobotRegistration, ShapeSource, StatedLimits};
+use revprio_api::wire::{
+    CollisionPairs, LinkShape, Pose, RegisteredTip, RobotRegistration, ShapeSource, StatedLimits, object,
+};
 use revprio_api::{Client, ClientError};
 use revprio_local::json;
 use revprio_robot::collision::MeshDirectory;
@@ -38,7 +40,9 @@ struct OverridesFile {
     base: Option<String>,
     tip: Option<String>,
     tips: Option<Vec<RegisteredTip>>,
+    #[serde(default, deserialize_with = "object::optional_map")]
     limits: Option<BTreeMap<String, StatedLimits>>,
+    #[serde(default, deserialize_with = "object::optional_texts")]
     joint_names: Option<BTreeMap<String, String>>,
     tool_offset: Option<Pose>,
     shapes: Option<ShapeSource>,

@@ -126,6 +126,9 @@ fn overrides_are_read_from_a_file() {
     };
     assert!(serve("{").contains("wrong.json"));
     assert!(serve(r#"{"limit": {}}"#).contains("there is no field `limit`; did you mean `limits`?"));
+    let twice = r#"{"shoulder": {"velocity": 1}, "shoulder": {"velocity": 5}}"#;
+    assert!(serve(&format!(r#"{{"limits": {twice}}}"#)).contains("`shoulder` is given twice"));
+    assert!(serve(r#"{"joint_names": {"shoulder": "a", "shoulder": "b"}}"#).contains("`shoulder` is given twice"));
     assert!(serve(r#"{"limits": {"nose": {}}}"#).contains("`limits` has a joint `nose`"));
     let rows = format!("fixtures/robots/sawyer_dh.toml,overrides={json}");
     assert!(failure(&["serve", "--robot", &rows]).contains("`base` and `tip` are for .urdf"));

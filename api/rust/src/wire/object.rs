@@ -53,8 +53,56 @@ pub fn map<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> R
 pub fn optional_map<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<BTreeMap<String, T>>, D::Error> {
-    let map: Option<BTreeMap<String, Object<T>>> = Option::deserialize(deserializer)?;
-    Ok(map.map(|map| map.into_iter().map(|(name, Object(value))| (name, value)).collect()))
+    Ok(Option::<Objects<T>>::deserialize(deserializer)?.map(|Objects(map)| map))
+}
+
+/// Reads texts by name, or `None` from `null`. Refuses a name that is given twice.
+pub fn optional_texts<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<BTreeMap<String, String>>, D::Error> {
+    Ok(Option::<Texts>::deserialize(deserializer)?.map(|Texts(map)| map))
+}
+
+struct Objects<T>(BTreeMap<String, T>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Objects<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        map(deserializer).map(Self)
+    }
+}
+
+struct Texts(BTreeMap<String, String>);
+
+impl<'de> Deserialize<'de> for Texts {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(TextsVisitor).map(Self)
+    }
+}
+
+struct TextsVisitor;
+
+impl<'de> Visitor<'de> for TextsVisitor {
+    type Value = BTreeMap<String, String>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("an object with one text per name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        once_each(map)
+    }
+}
+
+/// Reads the entries of an object. Refuses a name that is given twice.
+fn once_each<'de, A: MapAccess<'de>, T: Deserialize<'de>>(mut map: A) -> Result<BTreeMap<String, T>, A::Error> {
+    let mut values = BTreeMap::new();
+    while let Some((name, value)) = map.next_entry::<String, T>()? {
+        if values.contains_key(&name) {
+            return Err(A::Error::custom(format!("`{name}` is given twice")));
+        }
+        values.insert(name, value);
+    }
+    Ok(values)
 }
 
 struct MapVisitor<T>(PhantomData<T>);
@@ -66,15 +114,8 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for MapVisitor<T> {
         formatter.write_str("an object with one object per name")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut values = BTreeMap::new();
-        while let Some((name, Object(value))) = map.next_entry::<String, Object<T>>()? {
-            if values.contains_key(&name) {
-                return Err(A::Error::custom(format!("`{name}` is given twice")));
-            }
-            values.insert(name, value);
-        }
-        Ok(values)
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        Ok(once_each(map)?.into_iter().map(|(name, Object(value))| (name, value)).collect())
     }
 }
 

@@ -36,7 +36,7 @@ pub struct RobotRegistration {
     #[serde(default, deserialize_with = "object::optional_map", skip_serializing_if = "Option::is_none")]
     pub limits: Option<BTreeMap<String, StatedLimits>>,
     /// New names, by the name of the joint in the text.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional_texts", skip_serializing_if = "Option::is_none")]
     pub joint_names: Option<BTreeMap<String, String>>,
     /// Pose of the tool frame in the frame of the tip, m; default: the frame of the tip.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -38,7 +38,7 @@ pub fn robot<'a>(document: &'a Document) -> Result<Node<'a, 'a>, UrdfError> {
     let root = document.root_element();
     let name = root.tag_name().name();
     let is_xacro = |node: &Node| node.tag_name().namespace().is_some_and(|namespace| namespace.ends_with("xacro"));
-    match (name, root.children().find(is_xacro)) {
+    match (name, root.descendants().find(is_xacro)) {
         ("robot", None) => Ok(root),
         ("robot", Some(element)) => Err(UrdfError::Xacro { element: element.tag_name().name().to_owned() }),
         ("mujoco", _) => Err(UrdfError::Mjcf),
@@ -139,7 +139,7 @@ impl<'a> Links<'a> {
 fn named<'a>(robot: Node<'a, 'a>, element: &'static str) -> Result<Vec<(&'a str, Node<'a, 'a>)>, UrdfError> {
     let mut seen = HashSet::new();
     let mut found = Vec::new();
-    for (i, node) in robot.children().filter(|node| node.has_tag_name(element)).enumerate() {
+    for (i, node) in children(robot, element).enumerate() {
         let name = node.attribute("name").filter(|name| (1..=MAX_NAME_BYTES).contains(&name.len()));
         let name = name.ok_or(UrdfError::Unnamed { element, place: i + 1 })?;
         if !seen.insert(name) {
@@ -177,5 +177,11 @@ pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> IsometryMatrix3
 
 /// Returns the first child with this tag.
 pub fn child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
-    node.children().find(|child| child.has_tag_name(tag))
+    children(node, tag).next()
+}
+
+/// Returns the children with this tag. Elements of another namespace, such as those of a simulator, have their own meaning.
+fn children<'a>(node: Node<'a, 'a>, tag: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+    let is_own = move |child: &Node| child.tag_name().namespace() == node.tag_name().namespace();
+    node.children().filter(move |child| child.has_tag_name(tag) && is_own(child))
 }

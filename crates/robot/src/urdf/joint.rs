@@ -12,6 +12,7 @@ const POSITION: &str = "\"position\": [lower, upper]";
 const VELOCITY: &str = "\"velocity\": number";
 const ACCELERATION: &str = "\"acceleration\": number";
 const JERK: &str = "\"jerk\": number";
+const SOFT_TAG: &str = "safety_controller";
 const ENVELOPE_TAG: &str = "position_based_velocity_limits";
 const ENVELOPE: &str = "\"velocity_envelope\": {\"deceleration_limit\": number, \"velocity_offset\": number}";
 
@@ -95,7 +96,7 @@ impl Reader<'_> {
             (Some([lower, upper]), _) => [Some(lower), Some(upper)],
             (None, Some("continuous")) => [Some(f64::NEG_INFINITY), Some(f64::INFINITY)],
             (None, _) => {
-                let [lower, upper] = [limit("lower", None)?, limit("upper", None)?];
+                let [lower, upper] = self.within_soft_limits([limit("lower", None)?, limit("upper", None)?])?;
                 let without = |infinity: f64| is_optional.then_some(infinity);
                 [lower.or(without(f64::NEG_INFINITY)), upper.or(without(f64::INFINITY))]
             }
@@ -110,6 +111,23 @@ impl Reader<'_> {
         let velocity = velocity.ok_or_else(|| self.limit("<limit> needs `velocity`", VELOCITY))?;
         let jerk = limit("jerk", stated.jerk)?.unwrap_or(f64::INFINITY);
         self.check(JointLimits { lower, upper, velocity, acceleration, jerk, envelope: self.envelope(stated)? })
+    }
+
+    /// Returns the part of a range that the soft limits leave: beyond them, a safety controller of the robot does not follow. Soft limits that
+    /// leave none, as some programs write them, do not count.
+    fn within_soft_limits(&self, range: [Option<f64>; 2]) -> Result<[Option<f64>; 2], UrdfError> {
+        if child(self.element, SOFT_TAG).is_none() {
+            return Ok(range);
+        }
+        let soft = |field| Ok::<_, UrdfError>(self.numbers(SOFT_TAG, field)?.map(|[value]: [f64; 1]| value));
+        let (lower, upper) = (soft("soft_lower_limit")?, soft("soft_upper_limit")?);
+        let within = match range {
+            [Some(least), Some(most)] => {
+                [lower.map_or(least, |soft| soft.max(least)), upper.map_or(most, |soft| soft.min(most))]
+            }
+            _ => return Ok(range),
+        };
+        Ok(if within[0] < within[1] { within.map(Some) } else { range })
     }
 
     /// Reads the velocity limits that shrink towards the ends of the range, an element of the URDF texts of Franka's arms.

@@ -341,3 +341,39 @@ fn every_text_is_read_in_bounded_time() {
     }
     assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
 }
+
+#[test]
+fn soft_limits_narrow_the_range_where_they_leave_one() {
+    let ends = |soft: &str| {
+        let element = format!(
+            r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+            <limit lower="-2.8" upper="2.5" velocity="2"/><safety_controller k_velocity="10" {soft}/></joint>"#
+        );
+        let limits = read(&robot("a b", &[element])).unwrap().joints()[0].limits;
+        (limits.lower, limits.upper)
+    };
+    assert_eq!(ends(r#"soft_lower_limit="-2" soft_upper_limit="2.1""#), (-2.0, 2.1));
+    assert_eq!(ends(r#"soft_lower_limit="-3" soft_upper_limit="2.1""#), (-2.8, 2.1));
+    assert_eq!(ends(r#"soft_upper_limit="2""#), (-2.8, 2.0));
+    for none in ["", r#"soft_lower_limit="0" soft_upper_limit="0""#, r#"soft_lower_limit="3" soft_upper_limit="4""#] {
+        assert_eq!(ends(none), (-2.8, 2.5), "{none}");
+    }
+}
+
+#[test]
+fn elements_of_other_programs_are_not_those_of_the_robot() {
+    let joint = r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/>
+        <d:limit xmlns:d="urn:drake" lower="-9" upper="9" velocity="99"/><limit lower="-1" upper="1" velocity="2"/></joint>"#;
+    let text = robot("a b", &[joint.to_owned()]);
+    assert_eq!(read(&text).unwrap().joints()[0].limits.velocity, 2.0);
+    // A namespace of the whole text is its own.
+    let whole = text.replacen("<robot", r#"<robot xmlns="http://drake.mit.edu""#, 1);
+    assert_eq!(read(&whole).unwrap().joints()[0].limits.velocity, 2.0);
+}
+
+#[test]
+fn xacro_inside_a_joint_is_refused() {
+    let joint = r#"<joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+        <xacro:if xmlns:xacro="http://www.ros.org/wiki/xacro" value="true"><origin xyz="0.4 0 0"/></xacro:if></joint>"#;
+    assert!(matches!(read(&robot("a b", &[joint.to_owned()])), Err(UrdfError::Xacro { .. })));
+}
