@@ -423,7 +423,9 @@ public:
     /// `Loop` does so.
     std::vector<double> command(Clock::time_point now) {
         std::vector<double> velocity = resumed(now);
-        resumes_ = resumes_ && velocity != ramp(now);
+        const auto are_near = [](double a, double b) { return std::abs(a - b) <= 1e-9; }; // Sums are not exact.
+        const std::vector<double> wanted = ramp(now);
+        resumes_ = resumes_ && !std::equal(velocity.begin(), velocity.end(), wanted.begin(), are_near);
         commanded_ = velocity;
         commanded_at_ = now;
         is_commanded_ = true;

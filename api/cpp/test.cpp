@@ -150,6 +150,16 @@ void watchdog() {
     check(is_close(dog.command(at(100)), 0.4, -0.1), "an answer is held while it is valid");
     check(is_close(dog.command(at(110)), 0.38, -0.06), "then each joint brakes at its own limit");
     check(!dog.is_at_rest(at(290)) && dog.is_at_rest(at(301)), "the joints come to rest");
+    revprio::Watchdog rounded({2, 4});
+    rounded.obey(answer, at(0), at(0));
+    rounded.command(at(200));
+    Json reached = answer, faster = answer;
+    reached["joint_velocity"] = {0.22 + 1e-12, 0};
+    faster["joint_velocity"] = {1, 1};
+    rounded.obey(reached, at(210), at(210));
+    rounded.command(at(210));
+    rounded.obey(faster, at(220), at(220));
+    check(is_close(rounded.command(at(220)), 1, 1), "rounding does not prolong the return");
     Json even = answer;
     even["stop_time_s"] = 0.2;
     revprio::Watchdog together({2, 4});

@@ -51,6 +51,19 @@ def test_an_answer_is_held_while_valid_then_each_joint_brakes_at_its_own_limit()
     assert watchdog.is_at_rest(10.31)
 
 
+def test_rounding_does_not_prolong_the_return() -> None:
+    # A joint without acceleration limit may jump as soon as the service counts the return as over.
+    watchdog = Watchdog([2.0, 4.0])
+    watchdog.obey(ANSWER, 10.0, 10.0)
+    watchdog.command(10.2)
+    reached = ANSWER.model_copy(update={"joint_velocity": np.array([0.22 + 1e-12, 0.0])})
+    assert watchdog.obey(reached, 10.21, 10.21)
+    watchdog.command(10.21)
+    faster = ANSWER.model_copy(update={"joint_velocity": np.array([1.0, 1.0])})
+    assert watchdog.obey(faster, 10.22, 10.22)
+    np.testing.assert_array_equal(watchdog.command(10.22), [1.0, 1.0])
+
+
 def test_all_joints_come_to_rest_together_if_the_answer_says_when() -> None:
     watchdog = Watchdog([2.0, 4.0])
     watchdog.obey(StepAnswer.model_validate({**BODY, "stop_time_s": 0.2}), 10.0, 10.0)

@@ -3,6 +3,9 @@ import type { Robot, StepAnswer } from "./bodies.js";
 /** Times that differ by less are equal, because sums of periods are not exact. */
 const ROUNDING_S = 1e-9;
 
+/** Velocities that differ by less are equal for the same reason, rad/s or m/s. */
+const ARRIVED = 1e-9;
+
 /**
  * Computes the joint velocities to command at any time, also when no answers come.
  *
@@ -76,7 +79,7 @@ export class Watchdog {
   command(nowMs: number): number[] {
     const velocity = this.#resumed(nowMs);
     const ramp = this.#ramp(nowMs);
-    this.#resumes &&= velocity.some((entry, joint) => entry !== ramp[joint]);
+    this.#resumes &&= velocity.some((entry, joint) => Math.abs(entry - (ramp[joint] ?? 0)) > ARRIVED);
     this.#commanded = velocity;
     this.#commandedAtMs = nowMs;
     return velocity;

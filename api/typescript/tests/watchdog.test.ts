@@ -46,6 +46,16 @@ test("an answer is held while valid, then each joint brakes at its own limit", (
   assert.ok(!watchdog.isAtRest(1290) && watchdog.isAtRest(1301));
 });
 
+test("rounding does not prolong the return", () => {
+  const watchdog = new Watchdog([2, 4]);
+  watchdog.obey(ANSWER, 1000, 1000);
+  watchdog.command(1200);
+  assert.ok(watchdog.obey({ ...ANSWER, joint_velocity: [0.22 + 1e-12, 0] }, 1210, 1210));
+  watchdog.command(1210);
+  assert.ok(watchdog.obey({ ...ANSWER, joint_velocity: [1, 1] }, 1220, 1220));
+  assertClose(watchdog.command(1220), [1, 1]);
+});
+
 test("all joints come to rest together if the answer says when", () => {
   const watchdog = new Watchdog([2, 4]);
   assert.ok(watchdog.obey({ ...ANSWER, stop_time_s: 0.2 }, 1000, 1000));

@@ -4837,7 +4837,8 @@ class StepAnswer(Answer):
     - stop_time_s: Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool
       keeps its direction: `joint_velocity` times 1 − t/`stop_time_s`. No joint then brakes faster than at its
       `braking_deceleration`, and every joint stops inside its range on the same terms. Absent: each joint brakes at
-      its own. Only controllers with a law that reads a wrench have it, if they keep no distances to obstacles.
+      its own. The law `contact` sets it where stopping together presses less, if the controller keeps no distances
+      to obstacles.
     - stuck_tasks: Tasks that make no progress, and what holds them back.
     - violated_inequalities: Violated inequalities.
     - warnings: Warnings: what is not plausible about the state, and what to do.
@@ -4897,8 +4898,8 @@ class StepAnswer(Answer):
     stop_time_s: float | None = None
     """Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool keeps its direction:
     `joint_velocity` times 1 − t/`stop_time_s`. No joint then brakes faster than at its `braking_deceleration`, and
-    every joint stops inside its range on the same terms. Absent: each joint brakes at its own. Only controllers with a
-    law that reads a wrench have it, if they keep no distances to obstacles."""
+    every joint stops inside its range on the same terms. Absent: each joint brakes at its own. The law `contact` sets
+    it where stopping together presses less, if the controller keeps no distances to obstacles."""
     stuck_tasks: list[StuckTask] = Field(default_factory=list)
     """Tasks that make no progress, and what holds them back."""
     violated_inequalities: list[ViolatedInequality] = Field(default_factory=list)

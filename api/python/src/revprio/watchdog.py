@@ -10,16 +10,18 @@ from revprio.models import Robot, StepAnswer
 ROUNDING_S = 1e-9
 """Times that differ by less are equal, because sums of periods are not exact."""
 
+ARRIVED = 1e-9
+"""Velocities that differ by less are equal for the same reason, rad/s or m/s."""
+
 
 class Watchdog:
     """Computes the joint velocities to command at any time, also when no answers come.
 
-    An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the
-    joints brake together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and
-    stay at rest until a newer answer comes. If the controller's
-    limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate
-    with `braking_deceleration` until they have the velocity of the answer. All times are arguments, in seconds of any
-    monotonic clock, such as `time.monotonic()`.
+    An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the joints
+    brake together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and stay
+    at rest until a newer answer comes. If the controller's limits include positions, every joint then stops inside its
+    range. When answers come again, the joints accelerate with `braking_deceleration` until they have the velocity of
+    the answer. All times are arguments, in seconds of any monotonic clock, such as `time.monotonic()`.
     """
 
     def __init__(self, acceleration_limit: ArrayLike) -> None:
@@ -80,7 +82,7 @@ class Watchdog:
         time: then the arm is never faster than the ramp. `drive` does so.
         """
         velocity = self._resumed(now_s)
-        self._resumes = self._resumes and not np.array_equal(velocity, self._ramp(now_s))
+        self._resumes = self._resumes and bool((np.abs(velocity - self._ramp(now_s)) > ARRIVED).any())
         self._commanded, self._commanded_at_s = velocity, now_s
         return velocity
 

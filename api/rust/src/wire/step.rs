@@ -349,8 +349,8 @@ pub struct StepAnswer {
     pub valid_for_ms: u64,
     /// Time in which a watchdog lowers the speeds of all joints evenly to rest, s, so that the tool keeps its direction: `joint_velocity`
     /// times 1 − t/`stop_time_s`. No joint then brakes faster than at its `braking_deceleration`, and every joint stops inside its range on
-    /// the same terms. Absent: each joint brakes at its own. Only controllers with a law that reads a wrench have it, if they keep no
-    /// distances to obstacles.
+    /// the same terms. Absent: each joint brakes at its own. The law `contact` sets it where stopping together presses less, if the controller
+    /// keeps no distances to obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(example = 0.05)]
     pub stop_time_s: Option<f64>,

@@ -25,8 +25,8 @@
 //! # Joints that stop together
 //!
 //! Joints that brake at a each come to rest one after the other, and the tool turns away from its direction meanwhile: one that slides along
-//! a surface is pushed into it. So the watchdog of a controller that reads a wrench lowers all speeds by the same share per time, from u to 0
-//! in the time t_s = max |uⱼ|/aⱼ. No joint then brakes faster than a. The proof above holds with |v|/t_s in place of a, and v²/2a becomes
+//! a surface is pushed into it. So where that presses less, the watchdog of a controller with the law `contact` lowers all speeds by the same
+//! share per time, from u to 0 in the time t_s = max |uⱼ|/aⱼ ≤ 0.25 s. No joint then brakes faster than a. The proof above holds with |v|/t_s in place of a, and v²/2a becomes
 //! v t_s/2; with an envelope, the smaller one of |v|/t_s and b takes the place of b. Where this leaves less than max(2 T, 10 ms), because
 //! a joint is near the end of its range, the joints brake at a each.
 //!
@@ -59,8 +59,8 @@ const POSITION_TOLERANCE: f64 = 5e-7;
 /// Distance beyond a limit up to which a measured velocity is not reported, rad or m, because it is noisy.
 const SPEED_NOISE_TOLERANCE: f64 = 1e-3;
 
-/// Times of a common stop, s: below, times count as equal; above, joints can hardly brake.
-const STOP_TIMES: RangeInclusive<f64> = 1e-9..=1e6;
+/// Times of a common stop, s: below, times count as equal; above, one slow joint would make all others go on for long.
+const STOP_TIMES: RangeInclusive<f64> = 1e-9..=0.25;
 
 /// How long a command may be held, and how a watchdog brakes afterwards.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,7 @@ use std::iter;
 use std::sync::Arc;
 
 use revprio_core::controller::{Controller, ControllerConfig, Limits, TaskConfig};
+use revprio_core::law::ContactSettings;
 use revprio_core::limits::{Hold, LimitKind, ramp_deceleration, spare_time};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows};
 use revprio_core::streaming::Streaming;
@@ -11,9 +12,10 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
-    Loop, Random, config, constant, controller, force, measurement, missing_distance, position, sawyer, step,
-    with_envelopes, with_jerk,
+    Loop, Random, config, constant, controller, measurement, missing_distance, position, sawyer, step, with_envelopes,
+    with_jerk,
 };
+use super::contact::contact;
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 
@@ -78,13 +80,13 @@ fn furthest(
     furthest
 }
 
-/// Returns a controller that drives joints to positions at the speed limits; `reads_wrench`: below it is a task that does.
+/// Returns a controller that drives joints to positions at the speed limits; `touches`: below it is a task that may touch.
 fn posture(
     robot: &Arc<RobotModel>,
     joints: Vec<usize>,
     target: &[f64],
     (kind, period): (LimitKind, f64),
-    reads_wrench: bool,
+    touches: bool,
 ) -> Controller {
     let gain = 0.5 / period;
     let rows = TaskRows::Joints(JointRows { target: JointTarget::Position(constant(target)), joints });
@@ -95,7 +97,7 @@ fn posture(
         scaled: false,
         streaming: Streaming::default(),
     };
-    let yields = reads_wrench.then(|| super::arms::task(&[Axis::X], force(&[Axis::X], &[0.0])));
+    let yields = touches.then(|| super::arms::task(&[Axis::Z], contact(&[-5.0], ContactSettings::default())));
     let tasks = iter::once(task).chain(yields).collect();
     controller(ControllerConfig { limits: Limits::Robot(kind), period_s: period, ..config(robot, tasks) })
 }
@@ -118,7 +120,7 @@ fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_out
     for robot in robots() {
         for kind in KINDS {
             let joints = (0..robot.joint_count()).flat_map(|joint| [(joint, false), (joint, true)]);
-            for ((joint, upper), reads_wrench) in joints.flat_map(|end| [(end, false), (end, true)]) {
+            for ((joint, upper), touches) in joints.flat_map(|end| [(end, false), (end, true)]) {
                 let limits = robot.joints()[joint].limits;
                 let end = limits.resting_range()[usize::from(upper)];
                 if !end.is_finite() {
@@ -126,7 +128,7 @@ fn a_service_killed_at_any_20th_period_of_a_run_into_a_limit_leaves_no_joint_out
                 }
                 let (period, periods) = [(1e-3, 4000), (4e-3, 1000), (1e-2, 400)][(joint + usize::from(upper)) % 3];
                 let target = [if upper { end + 1.0 } else { end - 1.0 }];
-                let controller = posture(&robot, vec![joint], &target, (kind, period), reads_wrench);
+                let controller = posture(&robot, vec![joint], &target, (kind, period), touches);
                 let mut arm = Loop::at_rest(&middle(&robot));
                 for number in 0..periods {
                     let (q, last) = (arm.q.clone(), last_command(&arm, &robot));
@@ -167,7 +169,7 @@ fn no_hold_of_a_random_run_leaves_the_range() {
     for run in 0..120 {
         let robot = &robots()[run % robots().len()];
         let kind = KINDS[random.below(2)];
-        let reads_wrench = run >= 60;
+        let touches = run >= 60;
         let period = [5e-4, 1e-3, 5e-3, 2e-2, 5e-2][random.below(5)];
         let within = |random: &mut Random, joint: &Joint| {
             let [lower, upper] = joint.limits.resting_range().map(|end| end.clamp(-3.0, 3.0));
@@ -178,7 +180,7 @@ fn no_hold_of_a_random_run_leaves_the_range() {
             // Targets on both sides of the limits; a new one every 50 periods.
             let target: Vec<f64> =
                 robot.joints().iter().map(|joint| 1.5 * within(&mut random, joint) + 0.5 * random.signed()).collect();
-            let controller = posture(robot, (0..robot.joint_count()).collect(), &target, (kind, period), reads_wrench);
+            let controller = posture(robot, (0..robot.joint_count()).collect(), &target, (kind, period), touches);
             if let Some(memory) = &mut arm.memory {
                 memory.active_set.clear();
             }
@@ -192,13 +194,13 @@ fn no_hold_of_a_random_run_leaves_the_range() {
                 worst = worst.max(furthest(robot, &q, &last, (velocity, &command.hold), latency, interval));
                 shortened += usize::from(valid < VALID);
                 together += usize::from(command.hold.stop_time_s.is_some());
-                alone += usize::from(reads_wrench && command.hold.stop_time_s.is_none());
+                alone += usize::from(touches && command.hold.stop_time_s.is_none());
             }
         }
     }
     println!("{worst} {shortened} {together} {alone}");
     assert!(worst <= TOLERANCE, "{worst} rad outside");
-    assert!(together > 3000 && alone > 300, "{together} stops of all joints, {alone} of each");
+    assert!(together > 800 && alone > 300, "{together} stops of all joints, {alone} of each");
     assert!(worst > -1e-3 && shortened > 300, "no run comes near a limit: {worst} rad, {shortened}");
 }
 

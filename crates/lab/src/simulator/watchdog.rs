@@ -13,6 +13,9 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Tolerance of the age of an answer, s, because sums of periods are not exact.
 const ROUNDING_S: f64 = 1e-9;
 
+/// Difference of a velocity from the ramp that counts as none, rad/s or m/s, because sums are not exact.
+const ARRIVED: f64 = 1e-9;
+
 /// The answer that the arm executes.
 pub struct HeldCommand {
     /// The answer; its joint velocities decrease once it is too old.
@@ -64,7 +67,7 @@ impl HeldCommand {
                 Some(last) if self.resumes => ramp.max(last - reach).min(last + reach),
                 _ => ramp,
             };
-            is_reached &= *commanded == ramp;
+            is_reached &= (*commanded - ramp).abs() <= ARRIVED;
         }
         self.resumes &= !is_reached;
     }
@@ -134,6 +137,10 @@ mod tests {
         assert_near(&held, [0.0, 0.3]);
         // The joints have the velocities of the answer, so the next one counts at once.
         assert_near(&HeldCommand::new(answer(5, [1.0, 0.3]), Some(&held), 0.5, 0.1), [1.0, 0.3]);
+        // Rounding does not prolong the return.
+        let braked = HeldCommand::new(answer(0, [0.4, 0.3]), None, 0.0, 0.1).hold(0.1, 0.1);
+        let near = HeldCommand::new(answer(2, [0.4 + 1e-12, 0.0]), Some(&braked), 0.2, 0.1);
+        assert_near(&HeldCommand::new(answer(3, [1.0, 1.0]), Some(&near), 0.3, 0.1), [1.0, 1.0]);
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn short_validity(config: &ControllerConfig) -> Option<String> {
     (valid <= period).then(|| {
         format!(
             "answers are valid for {valid} ms, no longer than the period of {period} ms: a watchdog brakes before the next one comes, and \
-             the arm moves slowly or not at all; set `valid_for_ms` to {} or more",
+             the arm moves slowly or not at all, and may leave its ranges if states come late; set `valid_for_ms` to {} or more",
             (2.0 * period).ceil().min(MAX_VALID_FOR_MS as f64)
         )
     })

@@ -14,6 +14,9 @@ use crate::task::TaskStack;
 /// Time over which the acceleration of a tool on its arc is computed, s: the joints turn little in it.
 const ARC_TIME: f64 = 0.05;
 
+/// Steps in which a ramp to rest is followed.
+const RAMP_STEPS: u32 = 8;
+
 /// Where a held command has moved the arm after [`ARC_TIME`].
 pub(super) struct HeldMotion {
     configuration: Configuration,
@@ -73,20 +76,62 @@ impl Holding<'_> {
             Some(kind) => hold.update(&config.robot, kind, arm.motion(), &arm.joint_velocity, command, config.period_s),
             None => *hold = Hold::default(),
         }
-        if self.stops_together() {
-            hold.stop_together(&config.robot, config.kept_limits(), arm.motion(), command, config.period_s);
-        }
         if let Some(held) = &mut self.held {
             held.update(command, config, arm);
         }
-        hold.shorten(self.pressing_time(command, tasks), config.period_s);
+        let pressing = self.pressing_time(command, tasks);
+        if self.stops_together(command, hold.time_s.min(pressing), tasks) {
+            hold.stop_together(&config.robot, config.kept_limits(), arm.motion(), command, config.period_s);
+        }
+        hold.shorten(pressing, config.period_s);
     }
 
-    /// Returns whether a watchdog is to keep the direction of a tool that may touch. The distances of obstacles count with joints that brake
-    /// at their own decelerations.
-    fn stops_together(&self) -> bool {
-        constraint::distances(&self.config.constraints).is_none()
-            && self.config.tasks.iter().any(|task| task.law.reads_wrench())
+    /// Returns whether joints that stop together, after a command was held for a time (s), press less than joints that brake as fast as each
+    /// can. The distances of obstacles count with the latter.
+    fn stops_together(&self, command: &[f64], time: f64, tasks: &TaskStack) -> bool {
+        if constraint::distances(&self.config.constraints).is_some() {
+            return false;
+        }
+        let joints = self.config.robot.joints();
+        let own = |joint: usize| command[joint].abs() / braking_deceleration(&joints[joint].limits);
+        let longest = (0..command.len()).map(own).fold(0.0, f64::max);
+        let held = (time.min(ARC_TIME), longest);
+        self.force_of_ramp(command, held, |_| longest, tasks) < self.force_of_ramp(command, held, own, tasks)
+    }
+
+    /// Returns the largest force, relative to its target, that joints add while they brake from a command.
+    ///
+    /// - `held`: how long they have kept it before, and how long the longest ramp takes, s.
+    /// - `stop_time`: how long the ramp of each joint takes, s.
+    fn force_of_ramp(
+        &self,
+        command: &[f64],
+        held: (f64, f64),
+        stop_time: impl Fn(usize) -> f64,
+        tasks: &TaskStack,
+    ) -> f64 {
+        let Requests { contacts, targets, .. } = self.requests;
+        let forces =
+            contacts.axes().iter().filter(|axis| targets[axis.task].released_by.is_none()).filter_map(|axis| {
+                let motion = self.held.as_ref()?;
+                let now = &tasks.tasks()[axis.task].jacobian;
+                let weight = self.config.weight(axis.task, axis.row);
+                let speed_at = |joint: usize, after: f64| {
+                    let (now, later) =
+                        (now[(axis.row, joint)] / weight, motion.jacobians[axis.task][(axis.row, joint)]);
+                    axis.direction * command[joint] * (now + (later - now) * after / ARC_TIME)
+                };
+                Some(self.stiffness(axis)? / axis.target * way_in(command.len(), held, &stop_time, speed_at))
+            });
+        forces.fold(0.0, f64::max)
+    }
+
+    /// Returns an upper bound of the stiffness that an axis presses on, N/m or N·m/rad; `None` for a task without the law `contact`.
+    fn stiffness(&self, axis: &PressingAxis) -> Option<f64> {
+        let law = self.config.tasks[axis.task].law.contact()?;
+        let upper = axis.memory.estimate.upper;
+        let is_known = axis.memory.phase != ContactPhase::Approach && upper > 0.0;
+        Some(if is_known { upper } else { law.axes()[axis.row].stiffest })
     }
 
     /// Returns the time after which a command has added its target to a force, or max(2 T, 10 ms) if that is more, s; infinite without a tool
@@ -99,14 +144,11 @@ impl Holding<'_> {
         let Self { config, requests: Requests { contacts, targets, .. }, .. } = *self;
         let shortest = spare_time(2.0 * config.period_s);
         let times = contacts.axes().iter().filter_map(|axis| {
-            let law = config.tasks[axis.task].law.contact()?;
+            let stiffness = self.stiffness(axis)?;
             if targets[axis.task].released_by.is_some() {
                 // A released task has no rows in this problem.
                 return Some(shortest);
             }
-            let upper = axis.memory.estimate.upper;
-            let is_known = axis.memory.phase != ContactPhase::Approach && upper > 0.0;
-            let stiffness = if is_known { upper } else { law.axes()[axis.row].stiffest };
             let along = axis.along(command, config, tasks);
             // A tool that follows a surface presses no harder.
             let speed = along - axis.memory.motion.velocity.max(0.0);
@@ -124,6 +166,27 @@ impl Holding<'_> {
             command.iter().zip(config.robot.joints()).map(|(u, joint)| u.abs() / braking_deceleration(&joint.limits));
         config.drive.lag_s + config.drive.delay_periods as f64 * config.period_s + 0.5 * ramps.fold(0.0, f64::max)
     }
+}
+
+/// Returns how far a tool moves in at most, m or rad, while `joints` joints brake evenly, each within its stop time (s).
+///
+/// - `held`: how long they have kept their speeds before, and the longest stop time, s.
+/// - `speed_at`: part of a joint at full speed in the speed of the tool, after a time on the arc.
+fn way_in(
+    joints: usize,
+    (held, longest): (f64, f64),
+    stop_time: impl Fn(usize) -> f64,
+    speed_at: impl Fn(usize, f64) -> f64,
+) -> f64 {
+    let step = longest / f64::from(RAMP_STEPS);
+    let (mut way, mut farthest) = (0.0, 0.0_f64);
+    for k in 0..RAMP_STEPS {
+        let time = (f64::from(k) + 0.5) * step;
+        let braking = (0..joints).map(|joint| (joint, stop_time(joint))).filter(|(_, stop)| *stop > time);
+        way += step * braking.map(|(joint, stop)| speed_at(joint, held + time) * (1.0 - time / stop)).sum::<f64>();
+        farthest = farthest.max(way);
+    }
+    farthest
 }
 
 /// Returns when a tool has moved by a way of at least 0 (m or rad) at a speed, and by its acceleration also in the time `rest` (s) after that:
