@@ -306,7 +306,7 @@ fn a_description_in_millimetres_and_degrees_is_named() {
     );
     let degrees = of("degrees", &CRANK.replace("lower=\"-3\" upper=\"3\"", "lower=\"-170\" upper=\"170\""));
     assert!(degrees.contains("the range of joint `crank` is -170 to 170 rad; is it in degrees?"), "{degrees}");
-    let fast = of("fast", &CRANK.replace("velocity=\"2\"", "velocity=\"180\""));
+    let fast = of("fast", &CRANK.replace("velocity=\"1.5\"", "velocity=\"180\""));
     assert!(fast.contains("the speed limit of joint `crank` is 180 rad/s; is it in degrees per second?"), "{fast}");
     let sliding =
         CRANK.replace("revolute", "prismatic").replace("lower=\"-3\" upper=\"3\"", "lower=\"-200\" upper=\"300\"");

@@ -149,7 +149,7 @@ def test_motors_with_other_names_are_the_joints_that_move_the_frame(
     start = dict(zip(NAMES, START, strict=True))
     observation = {"gripper.pos": 1.0} | {f"{m}.pos": start[joint] for m, joint in zip("abcdefg", joints, strict=True)}
     step = EEToJoints(own, motors)
-    held = step.process(ee_action(kinematics.forward_kinematics(START)), observation)
+    held = step.process(ee_action(kinematics.forward_kinematics(START), 1.0), observation)
     assert {name: held[name] for name in observation} == pytest.approx(observation, abs=1e-3)
 
 

@@ -6,7 +6,9 @@ use nalgebra::{IsometryMatrix3, Rotation3, Vector3};
 use revprio_core::controller::{
     Command, Controller, ControllerConfig, Limits, Measurement, Memory, StepError, TaskConfig,
 };
-use revprio_core::law::{ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile};
+use revprio_core::law::{
+    ContactLaw, ContactSettings, ForceLaw, Gains, HybridLaw, ImpedanceLaw, Law, PositionLaw, Profile,
+};
 use revprio_core::limits::{Drive, LimitKind, braking_deceleration};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows, ToolRows};
 use revprio_core::streaming::Streaming;
@@ -109,6 +111,10 @@ pub fn constant(value: &[f64]) -> Profile {
 
 pub fn force(axes: &[Axis], target: &[f64]) -> Law {
     Law::Force(ForceLaw::new(gains(axes, 0.0), constant(target)).unwrap())
+}
+
+pub fn contact(forces: &[f64], settings: ContactSettings) -> Law {
+    Law::Contact(ContactLaw::new(constant(forces), vec![settings; forces.len()]).unwrap())
 }
 
 pub fn impedance(axes: &[Axis], stiffness: f64) -> Law {

@@ -13,7 +13,7 @@ use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, AxisSelection, BodyFrame, Configuration, Frame, TaskBody, TaskFrame};
 use revprio_robot::{Joint, RobotModel, built_in};
 
-use super::arms::{NOMINAL, Random, config, constant, controller, position, sawyer, task};
+use super::arms::{NOMINAL, Random, config, constant, contact, controller, position, sawyer, task};
 use super::drives::LaggingArm;
 use super::two_arms::{HOME, two_pandas, two_pandas_on_a_waist};
 
@@ -28,10 +28,6 @@ fn panda() -> Arc<RobotModel> {
 }
 
 /// A law of rows of translation with these target forces, N.
-pub fn contact(forces: &[f64], settings: ContactSettings) -> Law {
-    Law::Contact(ContactLaw::new(constant(forces), vec![settings; forces.len()]).unwrap())
-}
-
 /// A controller of an arm behind [`DRIVE`] with these tasks.
 fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
     controller(ControllerConfig {

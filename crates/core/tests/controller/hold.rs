@@ -12,10 +12,9 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
-    Loop, Random, config, constant, controller, measurement, missing_distance, position, sawyer, step, with_envelopes,
-    with_jerk,
+    Loop, Random, config, constant, contact, controller, measurement, missing_distance, position, sawyer, step,
+    with_envelopes, with_jerk,
 };
-use super::contact::contact;
 
 const KINDS: [LimitKind; 2] = [LimitKind::PositionVelocity, LimitKind::PositionVelocityAcceleration];
 

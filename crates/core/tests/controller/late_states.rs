@@ -14,10 +14,9 @@ use revprio_robot::kinematics::Axis;
 use revprio_robot::{Joint, JointLimits, RobotModel, built_in};
 
 use super::arms::{
-    Loop, NOMINAL, PERIOD, Random, config, controller, joint_rows, measurement, missing_distance, position, sawyer,
-    step, task, with_envelopes, with_free_joints, with_jerk,
+    Loop, NOMINAL, PERIOD, Random, config, contact, controller, joint_rows, measurement, missing_distance, position,
+    sawyer, step, task, with_envelopes, with_free_joints, with_jerk,
 };
-use super::contact::contact;
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::hold::middle;
 
