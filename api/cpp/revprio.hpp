@@ -373,8 +373,9 @@ private:
 ///
 /// An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the joints
 /// brake together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and stay at
-/// rest until a newer answer comes. If the controller's limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
-/// `braking_deceleration` until they have the velocity of the answer.
+/// rest until a newer answer comes. If the controller's limits include positions, every joint then stops inside its
+/// range. When answers come again, the joints accelerate with `braking_deceleration` until they have the velocity of the
+/// answer.
 class Watchdog {
 public:
     /// `acceleration_limit`: deceleration of each joint, n, rad/s² or m/s², for joints for which the answer has none. The

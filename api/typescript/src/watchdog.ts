@@ -11,9 +11,9 @@ const ARRIVED = 1e-9;
  *
  * An answer is valid for `valid_for_ms` from the moment at which its *state* was measured. After that, the joints brake
  * together within the answer's `stop_time_s`, or each at `braking_deceleration` if the answer has none, and stay at rest
- * until a newer answer comes. If the controller's limits include positions, every joint then stops inside its range. When answers come again, the joints accelerate with
- * `braking_deceleration` until they have the velocity of the answer. All times are arguments, in milliseconds of any
- * monotonic clock, such as `performance.now()`.
+ * until a newer answer comes. If the controller's limits include positions, every joint then stops inside its range. When
+ * answers come again, the joints accelerate with `braking_deceleration` until they have the velocity of the answer. All
+ * times are arguments, in milliseconds of any monotonic clock, such as `performance.now()`.
  */
 export class Watchdog {
   #velocity: readonly number[];

@@ -96,6 +96,15 @@ impl World {
         largest
     }
 
+    /// Returns the command of a period, n, and its hold. Nothing moves yet.
+    fn answer(&mut self) -> (Vec<f64>, Hold) {
+        self.update_force();
+        let mut measured = self.arm.measure(self.time);
+        measured.wrench[2] = self.force[2];
+        let command = self.stepper.step(&mut self.memory, &measured).unwrap();
+        (command.resolution.joint_velocity.as_slice().to_vec(), command.hold.clone())
+    }
+
     fn update_force(&mut self) {
         let at = self.tool().tool_pose().translation.vector;
         self.force = [0.0; 3];
@@ -442,12 +451,7 @@ fn the_hold_of_a_tool_that_slides_adds_no_more_than_the_target() {
         let mut world = World::new(&robot, &start, pressing(&robot, tasks), &[(2, 5e-4, -1.0, stiffness)]);
         let [mut usual, mut together, mut apart, mut longest] = [0.0_f64; 4];
         while world.time < 2.0 {
-            world.update_force();
-            let mut measured = world.arm.measure(world.time);
-            measured.wrench[2] = world.force[2];
-            let command = world.stepper.step(&mut world.memory, &measured).unwrap();
-            let velocity = command.resolution.joint_velocity.as_slice().to_vec();
-            let hold = command.hold.clone();
+            let (velocity, hold) = world.answer();
             let valid_s = hold.valid_for_ms(100) as f64 / 1e3;
             if world.time > 0.5 {
                 let force = world.force[2].abs();
@@ -484,12 +488,7 @@ fn the_ramp_that_presses_less_is_told() {
             let mut world = World::new(&robot, &start, pressing(&robot, tasks), &[(2, 0.01, -1.0, stiffness)]);
             let [mut told, mut together, mut each] = [0.0_f64; 3];
             while world.time < 1.5 {
-                world.update_force();
-                let mut measured = world.arm.measure(world.time);
-                measured.wrench[2] = world.force[2];
-                let command = world.stepper.step(&mut world.memory, &measured).unwrap();
-                let velocity = command.resolution.joint_velocity.as_slice().to_vec();
-                let hold = command.hold.clone();
+                let (velocity, hold) = world.answer();
                 let valid_s = hold.valid_for_ms(100) as f64 / 1e3;
                 let ratio = |(u, joint): (&f64, &Joint)| u.abs() / braking_deceleration(&joint.limits);
                 let stop = velocity.iter().zip(robot.joints()).map(ratio).fold(0.0, f64::max);
