@@ -23,12 +23,11 @@ use serde_json::{Value, json};
 
 use super::schemas::{references, schema_name, variants, visit};
 use crate::service::convert::{
-    CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_FILTER_S, MAX_INEQUALITIES, MAX_JOINTS, MAX_LAG_S,
-    MAX_MAGNITUDE, MAX_PAYLOAD_KG, MAX_PERIOD_S, MAX_POINTS, MAX_READINGS, MAX_REMEMBERED, MAX_ROWS, MAX_SEQUENCE,
-    MAX_SPEED, MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED,
-    RATE_PER_S,
+    CHARACTERISTIC_LENGTH_M, MAX_ENVIRONMENT_DELAY, MAX_FILTER_S, MAX_INEQUALITIES, MAX_LAG_S, MAX_MAGNITUDE,
+    MAX_PAYLOAD_KG, MAX_PERIOD_S, MAX_POINTS, MAX_READINGS, MAX_REMEMBERED, MAX_ROWS, MAX_SEQUENCE, MAX_SPEED,
+    MAX_STEPS, MAX_TASKS, MAX_TIME_S, MAX_TIPS, MAX_VALID_FOR_MS, MIN_INERTIA, MIN_PERIOD_S, MIN_SPEED, RATE_PER_S,
 };
-use crate::service::robots::MAX_NAME;
+use crate::service::robots::{MAX_JOINTS, MAX_NAME};
 use crate::service::step::MAX_ITEMS;
 
 /// The range of a field.
@@ -194,14 +193,14 @@ fn sensor_ranges() -> Vec<FieldRange> {
 fn law_ranges() -> Vec<FieldRange> {
     field_ranges! {
         wire::Law as wire::Law::Contact {
-            approach_speed: Positive,
+            approach_speed: Between(ContactSettings::LEAST_MOTION, MAX_MAGNITUDE),
             stiffest: Positive,
             noise: PositiveUpTo(ContactSettings::MOST_NOISE),
             bias: Between(0.0, ContactSettings::MOST_BIAS),
             sensor_lag_s: Between(0.0, ContactLaw::MOST_SENSOR_LAG),
             max_force: Positive,
-            retreat_speed: Positive,
-            max_acceleration: Positive,
+            retreat_speed: Between(ContactSettings::LEAST_MOTION, MAX_MAGNITUDE),
+            max_acceleration: Between(ContactSettings::LEAST_MOTION, MAX_MAGNITUDE),
         }
         wire::SurfaceFollowing { max_tilt_rad: PositiveUpTo(SurfaceSettings::MOST_TILT) }
         wire::Law as wire::Law::Hybrid { inertia: Between(MIN_INERTIA, MAX_MAGNITUDE), damping: NotNegative, stiffness: NotNegative }

@@ -166,12 +166,14 @@ fn check_directions(
     new: &ControllerConfig,
     at: ArmAt,
 ) -> Result<(), TransitionError> {
-    let presses = |axis: &ContactAxis| matches!(axis.phase, ContactPhase::Contact | ContactPhase::Loss);
     let mut pressing = Vec::new();
-    for task in 0..old.tasks.len() {
-        let axes = old.contacts_of(task, &memory.contacts).unwrap_or_default();
-        let rows = (0..axes.len()).filter(|&row| presses(&axes[row]));
-        pressing.extend(rows.filter_map(|row| Direction::of(old, (task, row), at)));
+    for (task, config) in old.tasks.iter().enumerate() {
+        let Some(law) = config.law.contact() else { continue };
+        for (row, axis) in old.contacts_of(task, &memory.contacts).unwrap_or_default().iter().enumerate() {
+            if axis.presses(&law.axes()[row]) {
+                pressing.extend(Direction::of(old, (task, row), at).map(|stated| stated.turned_to(axis.normal.normal)));
+            }
+        }
     }
     for (task, config) in new.tasks.iter().enumerate() {
         let rows = config.law.contact().map_or(0, ContactLaw::rows);
@@ -197,6 +199,11 @@ impl Direction {
         let TaskConfig { rows, law, .. } = &config.tasks[task];
         let vector = law.contact()?.direction(row) * rows.direction(row, at)?;
         Some(Self { tip: rows.tip(&config.robot), is_angular: rows.is_angular(row, &config.robot), vector })
+    }
+
+    /// Returns the direction along the normal of the surface that the row follows; zero: it follows none, or does not know it yet.
+    fn turned_to(self, normal: Vector3<f64>) -> Self {
+        if normal == Vector3::zeros() { self } else { Self { vector: normal, ..self } }
     }
 
     fn reverses(&self, other: &Self) -> bool {
@@ -225,8 +232,10 @@ fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig
     contacts
 }
 
-/// Returns the progress of the tasks that stay, and that of new tasks.
+/// Returns the progress of the tasks that stay, and that of new tasks. A motion that leaves a posture ends: nobody has asked the new
+/// controller for it.
 fn kept_progress(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<Progress> {
     let known = |name: &str| memory.progress.get(task_index(old, name)?);
-    new.tasks.iter().map(|task| known(&task.name).copied().unwrap_or(Progress::FREE)).collect()
+    let ended = |progress: &Progress| Progress { leaving_since_s: None, ..*progress };
+    new.tasks.iter().map(|task| known(&task.name).map_or(Progress::FREE, ended)).collect()
 }

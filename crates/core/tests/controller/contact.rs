@@ -18,18 +18,17 @@ use super::drives::LaggingArm;
 use super::two_arms::{HOME, two_pandas, two_pandas_on_a_waist};
 
 /// T, s.
-const PERIOD: f64 = 0.002;
+pub(super) const PERIOD: f64 = 0.002;
 
 const DRIVE: Drive = Drive { lag_s: 0.01, delay_periods: 1 };
 
-fn panda() -> Arc<RobotModel> {
+pub(super) fn panda() -> Arc<RobotModel> {
     let found = built_in().iter().find(|robot| robot.name() == "panda");
     Arc::clone(found.unwrap())
 }
 
-/// A law of rows of translation with these target forces, N.
 /// A controller of an arm behind [`DRIVE`] with these tasks.
-fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
+pub(super) fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
     controller(ControllerConfig {
         period_s: PERIOD,
         drive: DRIVE,
@@ -38,19 +37,19 @@ fn pressing(robot: &Arc<RobotModel>, tasks: Vec<TaskConfig>) -> Controller {
 }
 
 /// A wall: axis of the base, place along the pressing direction from the start, m, direction and stiffness, N/m.
-type Wall = (usize, f64, f64, f64);
+pub(super) type Wall = (usize, f64, f64, f64);
 
 /// An arm before walls.
-struct World {
-    arm: LaggingArm,
+pub(super) struct World {
+    pub(super) arm: LaggingArm,
     robot: Arc<RobotModel>,
-    walls: Vec<Wall>,
-    start: [f64; 3],
-    stepper: Stepper,
-    memory: Option<Memory>,
-    time: f64,
+    pub(super) walls: Vec<Wall>,
+    pub(super) start: [f64; 3],
+    pub(super) stepper: Stepper,
+    pub(super) memory: Option<Memory>,
+    pub(super) time: f64,
     /// Forces of the last period, N, and the largest ones.
-    force: [f64; 3],
+    pub(super) force: [f64; 3],
     peak: [f64; 3],
     phase: Vec<ContactPhase>,
     /// What arrives with the next state.
@@ -58,7 +57,7 @@ struct World {
 }
 
 impl World {
-    fn new(robot: &Arc<RobotModel>, q: &[f64], controller: Controller, walls: &[Wall]) -> Self {
+    pub(super) fn new(robot: &Arc<RobotModel>, q: &[f64], controller: Controller, walls: &[Wall]) -> Self {
         let start = Configuration::new(robot, q).unwrap().tool_pose().translation.vector.into();
         Self {
             arm: LaggingArm::at_rest(q, DRIVE, 0.0, 1),
@@ -75,7 +74,7 @@ impl World {
         }
     }
 
-    fn tool(&self) -> Configuration {
+    pub(super) fn tool(&self) -> Configuration {
         Configuration::new(&self.robot, &self.arm.q).unwrap()
     }
 
@@ -97,7 +96,7 @@ impl World {
     }
 
     /// Returns the command of a period, n, and its hold. Nothing moves yet.
-    fn answer(&mut self) -> (Vec<f64>, Hold) {
+    pub(super) fn answer(&mut self) -> (Vec<f64>, Hold) {
         self.update_force();
         let mut measured = self.arm.measure(self.time);
         measured.wrench[2] = self.force[2];
@@ -105,7 +104,7 @@ impl World {
         (command.resolution.joint_velocity.as_slice().to_vec(), command.hold.clone())
     }
 
-    fn update_force(&mut self) {
+    pub(super) fn update_force(&mut self) {
         let at = self.tool().tool_pose().translation.vector;
         self.force = [0.0; 3];
         for &(axis, place, direction, stiffness) in &self.walls {
@@ -118,7 +117,7 @@ impl World {
     }
 
     /// Runs for a time, s; a state arrives every `every` periods.
-    fn run(&mut self, time: f64, every: usize) {
+    pub(super) fn run(&mut self, time: f64, every: usize) {
         let end = self.time + time - 0.5 * PERIOD;
         while self.time < end {
             self.update_force();
@@ -136,10 +135,10 @@ impl World {
     }
 }
 
-const OTHERS: [Axis; 5] = [Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz];
+pub(super) const OTHERS: [Axis; 5] = [Axis::X, Axis::Y, Axis::Rx, Axis::Ry, Axis::Rz];
 
 /// z presses downwards with 30 N at 1 cm/s, the others hold their pose.
-fn press_down(robot: &Arc<RobotModel>, settings: ContactSettings) -> Controller {
+pub(super) fn press_down(robot: &Arc<RobotModel>, settings: ContactSettings) -> Controller {
     let settings = ContactSettings { approach_speed: Some(0.01), ..settings };
     pressing(robot, vec![task(&[Axis::Z], contact(&[-30.0], settings)), task(&OTHERS, position(5, 3.0))])
 }

@@ -31,6 +31,7 @@ mod outstretched;
 mod planes;
 mod positions;
 mod rest;
+mod retreats;
 #[path = "../solvers/mod.rs"]
 mod solvers;
 mod stalls;

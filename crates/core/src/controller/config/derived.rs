@@ -89,6 +89,15 @@ impl ControllerConfig {
         })
     }
 
+    /// Returns task and row of each axis with the contact law that no joint moves, at any posture.
+    pub fn idle_contacts(&self) -> Result<Vec<[usize; 2]>, ConfigurationError> {
+        let moved = self.moved_rows(&self.allocate_arm()?)?;
+        let presses = |k: usize| self.tasks[k].law.contact().is_some();
+        let rows = moved.iter().enumerate().filter(|(k, _)| presses(*k));
+        let idle = rows.flat_map(|(k, moved)| (0..moved.len()).filter(|&row| !moved[row]).map(move |row| [k, row]));
+        Ok(idle.collect())
+    }
+
     /// Returns the number of axes with the contact law.
     pub(in crate::controller) fn contact_axes(&self) -> usize {
         self.tasks.iter().filter_map(|task| task.law.contact()).map(ContactLaw::rows).sum()

@@ -83,13 +83,18 @@ pub(super) fn measure<'a, 'm>(
     }
     let contact = |index: usize| Some(known.as_ref()?.contacts.get(index)?.known());
     arm.recall_surfaces(|index| contact(index).unwrap_or_default());
-    let known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
+    let mut known = known.unwrap_or_else(|| Known::First(Memory::at_start(config, arm.measured())));
     read_wrenches(config, measurement, &known, arm)?;
     if !arm.update_surfaces(config.period_s + arm.missed_time) {
         return Err(StepError::NotFinite);
     }
     arm.profiles_start_s = known.start_time_s;
     recall(config, &known, arm)?;
+    if let (Known::Late(late), Some(before)) = (&mut known, memory)
+        && late.last_command != before.last_command
+    {
+        late.continue_from_ramp(config, arm);
+    }
     Ok((arm, known))
 }
 

@@ -127,6 +127,15 @@ impl ContactAxis {
         self.phase == ContactPhase::Contact && self.hold_time > 0.5 * HELD
     }
 
+    /// Returns whether the tool presses: also while it retreats from a force that is still there.
+    pub fn presses(&self, settings: &ContactSettings) -> bool {
+        match self.phase {
+            ContactPhase::Contact | ContactPhase::Loss => true,
+            ContactPhase::Fault(cause) => cause != FaultCause::Pull && self.force > settings.threshold(),
+            ContactPhase::Approach => false,
+        }
+    }
+
     /// Returns whether the tool certainly presses on a surface: the contact is held, or the force has risen with the way of the tool, as no bias
     /// does; also while the tool retreats from such a contact.
     pub fn presses_surely(&self, settings: &ContactSettings) -> bool {

@@ -137,19 +137,20 @@ fn check(row: usize, settings: &ContactSettings) -> Result<(), ContactLawError> 
     let ContactSettings { stiffest, noise, bias, max_force, .. } = *settings;
     let ContactSettings { sensor_lag, retreat_speed, max_acceleration, .. } = *settings;
     let speed = settings.approach_speed.unwrap_or(1.0);
-    let positive = "positive";
+    let enough = "at least 1e-9";
     let [most_noise, most_bias] =
         [ContactSettings::MOST_NOISE, ContactSettings::MOST_BIAS].map(|most| most / settings.metre);
     let finite = |value: f64| value.is_finite() && value > 0.0;
+    let is_enough = |value: f64| value.is_finite() && value >= ContactSettings::LEAST_MOTION;
     let checks = [
-        ("approach_speed", speed, finite(speed), positive),
+        ("approach_speed", speed, is_enough(speed), enough),
         ("noise", noise, finite(noise) && noise <= most_noise, "positive, and at most 10 N or 1 N·m"),
         ("bias", bias, (0.0..=most_bias).contains(&bias), "from 0 to 100 N or 10 N·m"),
         ("sensor_lag_s", sensor_lag, (0.0..=ContactLaw::MOST_SENSOR_LAG).contains(&sensor_lag), "from 0 to 1 s"),
         ("stiffest", stiffest, stiffest.is_finite() && stiffest >= settings.softest, "at least 300 N/m or 3 N·m/rad"),
         ("max_force", max_force, max_force > settings.threshold(), "larger than 5 times `noise` plus `bias`"),
-        ("retreat_speed", retreat_speed, finite(retreat_speed), positive),
-        ("max_acceleration", max_acceleration, finite(max_acceleration), positive),
+        ("retreat_speed", retreat_speed, is_enough(retreat_speed), enough),
+        ("max_acceleration", max_acceleration, is_enough(max_acceleration), enough),
     ];
     match checks.into_iter().find(|(_, _, is_valid, _)| !is_valid) {
         Some((field, value, _, must_be)) => Err(ContactLawError::Range { field, row, value, must_be }),

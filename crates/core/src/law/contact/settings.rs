@@ -94,6 +94,9 @@ impl ContactSettings {
     /// Largest noise of an axis of translation, N.
     pub const MOST_NOISE: f64 = 10.0;
 
+    /// Least speed, m/s, and acceleration, m/s², of an axis; rad for m. With much less, the time of a stop overflows.
+    pub const LEAST_MOTION: f64 = 1e-9;
+
     /// Largest bias of an axis of translation, N.
     pub const MOST_BIAS: f64 = 100.0;
 

@@ -12,6 +12,7 @@ use crate::law::{
     TaskVector,
 };
 use crate::linalg::row_times;
+use crate::resolution::Method;
 use crate::surface::{NormalEstimate, NormalReport};
 use crate::task::{TaskError, TaskStack};
 use crate::tolerances::TOLERANCES;
@@ -193,16 +194,18 @@ impl Contacts {
     /// back afterwards. The tasks that turn with its surface stop: the tool may have slid into a slope that it does not know.
     ///
     /// A task that moves none of the joints that the retreat needs stays, as one of another arm does, and so do the axes that retreat
-    /// themselves.
+    /// themselves. Methods that solve all tasks at once give none of them priority: there, the tasks below go too.
     pub(super) fn give_way_to_a_retreat(
         &self,
         config: &ControllerConfig,
         targets: &mut [TaskTarget],
         tasks: &mut TaskStack,
     ) -> Result<(), TaskError> {
+        let is_shared = matches!(config.method, Method::Pseudoinverse | Method::DampedLeastSquares);
         for (k, target) in targets.iter_mut().enumerate() {
-            let is_in_the_way = |&r: &usize| self.retreats[r] && self.moves_own_joint(tasks, k, r);
-            target.released_by = (k + 1..self.retreats.len()).find(is_in_the_way);
+            let competes = |r: usize| r > k || (is_shared && r != k);
+            let is_in_the_way = |&r: &usize| self.retreats[r] && competes(r) && self.moves_own_joint(tasks, k, r);
+            target.released_by = (0..self.retreats.len()).find(is_in_the_way);
             if target.released_by.is_some() || self.slid_into_a_slope(k, config) {
                 let velocity = target.velocity.as_mut_slice().iter_mut().enumerate();
                 velocity.filter(|(row, _)| !self.has_fault(k, *row)).for_each(|(_, velocity)| *velocity = 0.0);
@@ -247,7 +250,7 @@ fn is_fault_by_force(phase: ContactPhase) -> bool {
 }
 
 /// Returns for each joint whether it moves the tip of a task and no other one: an arm leaves its surface without the waist that it shares with
-/// another arm. Where no joint is its own, all that move the tip count.
+/// another arm. A tip before or behind it on the same arm shares all joints of one of them. Where no joint is its own, all that move the tip count.
 fn own_joints(task: &TaskConfig, robot: &RobotModel) -> Vec<bool> {
     let n = robot.joint_count();
     let (Some(tip), Ok(configuration)) = (task.rows.tip(robot), Configuration::new(robot, &vec![0.0; n])) else {
@@ -261,7 +264,11 @@ fn own_joints(task: &TaskConfig, robot: &RobotModel) -> Vec<bool> {
     let of_tip = moves(&robot.tips()[tip]);
     let mut own = of_tip.clone();
     for (_, other) in robot.tips().iter().enumerate().filter(|(index, _)| *index != tip) {
-        own.iter_mut().zip(moves(other)).for_each(|(own, shared)| *own &= !shared);
+        let shared = moves(other);
+        let is_within = |few: &[bool], many: &[bool]| few.iter().zip(many).all(|(few, many)| *many || !*few);
+        if !(is_within(&shared, &of_tip) || is_within(&of_tip, &shared)) {
+            own.iter_mut().zip(shared).for_each(|(own, shared)| *own &= !shared);
+        }
     }
     if own.contains(&true) { own } else { of_tip }
 }

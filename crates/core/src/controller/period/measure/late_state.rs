@@ -10,10 +10,11 @@
 //! one period passed.
 
 use super::watchdog::{Unanswered, Watchdog};
+use crate::arm_state::ArmState;
 use crate::controller::config::ControllerConfig;
 use crate::controller::state::{AnsweredState, Measurement, Memory};
 use crate::limits::{Drive, DriveState};
-use crate::linalg::Vector;
+use crate::linalg::{Matrix, Vector};
 
 /// Largest number of missed periods that is told from more. All joints rest long before, and distances stay finite.
 const MAX_MISSED: f64 = 1e9;
@@ -76,6 +77,15 @@ impl Memory {
             jerk.acceleration.fill(0.0);
         }
         Some((later, Missed { way: travelled, time: missed as f64 * period }))
+    }
+
+    /// Lets the laws continue from what the ramp has left of their velocities, at the posture of rest.
+    pub(super) fn continue_from_ramp(&mut self, config: &ControllerConfig, arm: &ArmState) {
+        for (task, velocity) in config.tasks.iter().zip(&mut self.task_velocities) {
+            let mut jacobian = Matrix::zeros(task.rows.len(), self.last_command.len());
+            task.rows.write_jacobian(arm.at_rest(), &mut jacobian);
+            jacobian.mul_to(&self.last_command, velocity);
+        }
     }
 }
 
