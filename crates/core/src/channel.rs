@@ -133,12 +133,16 @@ impl ChannelState {
         }
     }
 
-    /// Replaces the targets from the first one of a chunk on. At most [`MAX_CHANNEL_TARGETS`] are kept, the nearest ones.
-    pub(crate) fn merge(&mut self, targets: impl Iterator<Item = ChannelTarget>) {
+    /// Replaces the targets from the first one of a chunk on, at `time_s`. At most [`MAX_CHANNEL_TARGETS`] are kept, the nearest ones. If the
+    /// chunk begins later and none is kept until then, the line to it begins now.
+    pub(crate) fn merge(&mut self, targets: impl Iterator<Item = ChannelTarget>, time_s: f64) {
         let mut targets = targets.peekable();
         let Some(first) = targets.peek() else { return };
+        let present = self.followed(time_s);
         let kept = self.targets.partition_point(|target| target.time_s < first.time_s);
         self.targets.truncate(kept);
+        let has_gap = first.time_s > time_s && self.targets.last().is_some_and(|last| last.time_s < time_s);
+        self.targets.extend(present.filter(|_| has_gap).map(|value| ChannelTarget { time_s, value }));
         self.targets.extend(targets);
         self.targets.truncate(MAX_CHANNEL_TARGETS);
     }
@@ -161,13 +165,17 @@ impl ChannelState {
     fn wanted(&self, config: &ChannelConfig, time_s: f64, profile_s: f64) -> Option<f64> {
         match self.targets.as_slice() {
             [] => config.target.as_ref().map(|profile| profile.at(profile_s).value[0]),
-            [first, ..] if first.time_s > time_s => None,
-            [from, to, ..] => {
-                let share = (time_s - from.time_s) / (to.time_s - from.time_s);
-                Some(from.value + share * (to.value - from.value))
-            }
-            [last] => Some(last.value),
+            _ => self.followed(time_s),
         }
+    }
+
+    /// Returns the value on the line through the targets; `None`: the first one is still to come.
+    fn followed(&self, time_s: f64) -> Option<f64> {
+        let past = self.targets.partition_point(|target| target.time_s <= time_s);
+        let from = self.targets[..past].last()?;
+        let Some(to) = self.targets.get(past) else { return Some(from.value) };
+        let share = (time_s - from.time_s) / (to.time_s - from.time_s);
+        Some(from.value + share * (to.value - from.value))
     }
 
     /// Returns whether the numbers are finite and the times in order.
@@ -222,16 +230,37 @@ mod tests {
     fn targets_are_due_at_their_times_and_replaced_by_later_chunks() {
         let (config, mut state) = (ChannelConfig { max_rate: 1e6, ..gripper() }, ChannelState::default());
         let target = |time_s: f64, value: f64| ChannelTarget { time_s, value };
-        state.merge([target(1.0, 0.0), target(2.0, 0.04)].into_iter());
+        state.merge([target(1.0, 0.0), target(2.0, 0.04)].into_iter(), 0.5);
         state.advance(&config, 0.5, 0.0, 0.01);
         assert_eq!(state.command, None);
         state.advance(&config, 1.5, 0.0, 0.01);
         assert!((state.command.unwrap() - 0.02).abs() < 1e-12);
-        state.merge([target(1.75, 0.08), target(3.0, 0.08)].into_iter());
+        state.merge([target(1.75, 0.08), target(3.0, 0.08)].into_iter(), 1.5);
         state.advance(&config, 2.5, 0.0, 0.01);
         assert!((state.command.unwrap() - 0.08).abs() < 1e-12);
         state.advance(&config, 30.0, 0.0, 0.01);
         assert_eq!((state.command, state.targets.len()), (Some(0.08), 1));
+    }
+
+    /// The last target was due long ago.
+    #[test]
+    fn a_chunk_that_begins_later_does_not_move_a_channel_at_once() {
+        let (config, mut state) = (ChannelConfig { max_rate: 1e6, ..gripper() }, ChannelState::default());
+        let target = |time_s: f64, value: f64| ChannelTarget { time_s, value };
+        state.merge([target(2.0, 0.0)].into_iter(), 2.0);
+        state.advance(&config, 9.99, 0.0, 0.01);
+        state.merge([target(10.5, 0.08)].into_iter(), 10.0);
+        for (time_s, expected) in [(10.0, 0.0), (10.25, 0.04), (10.5, 0.08)] {
+            state.advance(&config, time_s, 0.0, 0.01);
+            assert!((state.command.unwrap() - expected).abs() < 1e-12, "{time_s}: {:?}", state.command);
+        }
+        assert!(state.is_valid());
+        // A chunk that takes over half way goes on from there.
+        state.merge([target(11.0, 0.0)].into_iter(), 10.6);
+        state.advance(&config, 10.7, 0.0, 0.01);
+        state.merge([target(10.8, 0.08)].into_iter(), 10.75);
+        state.advance(&config, 10.75, 0.0, 0.01);
+        assert!((state.command.unwrap() - 0.05).abs() < 1e-12, "{:?}", state.command);
     }
 
     #[test]

@@ -63,6 +63,11 @@ impl Chunk {
         self.actions.last().is_some_and(|last| last.time_s >= time_s)
     }
 
+    /// Returns the latest time at which the actions certainly were as they are now, s; `None`: there are none.
+    pub(super) fn known_s(&self) -> Option<f64> {
+        self.actions.first().map(|first| self.merged_s.max(first.time_s))
+    }
+
     /// Returns the number of actions to come after a time, s.
     pub(super) fn left(&self, time_s: f64) -> usize {
         self.actions.len() - self.actions.partition_point(|action| action.time_s <= time_s)

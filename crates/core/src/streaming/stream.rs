@@ -175,10 +175,11 @@ impl TargetStream {
         motion.map_or_else(|| self.reference.clone(), |motion| self.chunk.faded(motion, time_s))
     }
 
-    /// Forgets the targets if the clock of the states went back, and actions that are past.
+    /// Forgets the targets if the clock of the states went back, and actions that are past. The actions that are left after a time that was
+    /// too late by mistake count as those of another clock: the first one is never later than the state with which they came.
     pub(crate) fn forget(&mut self, time_s: f64) {
         let newest_s = self.newest.as_ref().map(|newest| newest.time_s);
-        let known_s = if self.chunk.actions.is_empty() { newest_s } else { Some(self.chunk.merged_s) };
+        let known_s = if self.chunk.actions.is_empty() { newest_s } else { self.chunk.known_s() };
         if known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD) {
             (self.newest, self.previous) = (None, None);
             self.ahead.clear();

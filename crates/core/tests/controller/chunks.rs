@@ -111,6 +111,71 @@ fn forces_are_followed_action_by_action() {
     }
 }
 
+/// Until the first action is due, the law goes on with its own target.
+#[test]
+fn a_force_chunk_that_begins_later_begins_at_the_target_of_the_law() {
+    let law = force(&[Axis::X], &[30.0]);
+    let mut run = Run::new(controller(config(&gantry(JointLimits::NONE), vec![task(&[Axis::X], law)])), &[0.0; 3]);
+    run.step(Vec::new()).unwrap();
+    let now = run.time();
+    let command = run.step(vec![chunk(now + 0.5, 0.1, 3, |_| StreamedValue::Force(vec![10.0]))]).unwrap();
+    assert_eq!(command.targets[0].force, [Some(30.0)]);
+    let half_way = loop {
+        let command = run.step(Vec::new()).unwrap();
+        if run.time() > now + 0.25 + PERIOD {
+            break command.targets[0].force[0].unwrap();
+        }
+    };
+    assert!((half_way - 20.0).abs() < 0.2, "{half_way} N");
+}
+
+/// A chunk that is ignored replaces nothing.
+#[test]
+fn a_first_chunk_whose_actions_are_past_leaves_the_task_its_own_target() {
+    let own = |law: Law, value: fn(f64) -> StreamedValue| {
+        let start = || {
+            Run::new(
+                controller(config(&gantry(JointLimits::NONE), vec![task(&[Axis::X], law.clone())])),
+                &[0.2, 0.0, 0.0],
+            )
+        };
+        let (mut with, mut without) = (start(), start());
+        for period in 0..500 {
+            let late = if period == 100 { vec![chunk(-1.0, 0.1, 5, value)] } else { Vec::new() };
+            let (got, expected) = (with.step(late).unwrap(), without.step(Vec::new()).unwrap());
+            assert_eq!(got.targets[0].unused.is_some(), period == 100);
+            assert_eq!((got.targets[0].streamed, &got.targets[0].force), (None, &expected.targets[0].force));
+            assert_eq!(got.resolution.joint_velocity, expected.resolution.joint_velocity, "{period}");
+        }
+        assert_eq!(with.memory, without.memory);
+    };
+    own(position(1, 2.0), along_x);
+    own(force(&[Axis::X], &[30.0]), |_| StreamedValue::Force(vec![5.0]));
+}
+
+/// A state with a time far in the future, and a clock that goes back behind the actions that are left.
+#[test]
+fn a_chunk_is_forgotten_when_its_clock_is_another_one() {
+    let arc = |time: f64| along_x(0.2 * (0.6 * time).sin());
+    for (begins, later) in [(1.0, Some(100_000)), (5.5, None)] {
+        let mut run = Run::new(
+            controller(config(&gantry(JointLimits::NONE), vec![task(&[Axis::X], position(1, 5.0))])),
+            &[0.0; 3],
+        );
+        run.step(vec![chunk(0.0, 0.1, 100, arc)]).unwrap();
+        while run.time() < begins {
+            run.step(Vec::new()).unwrap();
+        }
+        let next = run.period + 1;
+        run.period += later.unwrap_or_default();
+        run.step(Vec::new()).unwrap();
+        run.period = later.map_or(0, |_| next);
+        let command = run.step(Vec::new()).unwrap();
+        assert_eq!(command.targets[0].streamed.unwrap().state, TargetState::Braking, "{begins}");
+        assert!(run.memory.as_ref().unwrap().target_streams[0].chunk.actions.is_empty(), "{begins}");
+    }
+}
+
 #[test]
 fn chunks_that_do_not_fit_are_refused_and_change_nothing() {
     let mut run =

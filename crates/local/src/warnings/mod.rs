@@ -52,6 +52,7 @@ pub fn of_controller(request: &wire::Controller, config: &ControllerConfig) -> R
     warnings.extend(huge_shapes(request, config));
     warnings.extend(uncovered_links(request, config));
     warnings.extend(idle_planes(config));
+    warnings.extend(idle_contacts(request, config));
     warnings.extend(of_first_step(request, config));
     Ok(warnings)
 }
@@ -68,10 +69,23 @@ pub fn of_first_step(request: &wire::Controller, config: &ControllerConfig) -> V
 
 /// The numbers of a contact law may contradict each other.
 fn contradictory_contacts(request: &wire::Controller, config: &ControllerConfig) -> impl Iterator<Item = String> {
-    config.contact_contradictions().map(|([k, row], found)| {
-        let wire::ControllerTask { name, axes, .. } = &request.tasks[k];
-        let axis = axes.as_ref().and_then(|axes| axes.get(row)).map_or((row + 1).to_string(), ToString::to_string);
-        format!("task `{name}`, axis {axis}: {found}")
+    config.contact_contradictions().map(|(place, found)| format!("{}: {found}", task_and_axis(request, place)))
+}
+
+/// Names a row of a task by its axis.
+fn task_and_axis(request: &wire::Controller, [k, row]: [usize; 2]) -> String {
+    let wire::ControllerTask { name, axes, .. } = &request.tasks[k];
+    let axis = axes.as_ref().and_then(|axes| axes.get(row)).map_or((row + 1).to_string(), ToString::to_string);
+    format!("task `{name}`, axis {axis}")
+}
+
+/// A contact law along an axis that the arm lacks would wait for its surface for ever.
+fn idle_contacts(request: &wire::Controller, config: &ControllerConfig) -> impl Iterator<Item = String> {
+    config.idle_contacts().unwrap_or_default().into_iter().map(|place| {
+        format!(
+            "{}: no joint moves the tool along it at any posture, so it never presses; choose another axis",
+            task_and_axis(request, place)
+        )
     })
 }
 

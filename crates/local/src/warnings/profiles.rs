@@ -52,7 +52,9 @@ pub fn warn_about_clock(warnings: &mut Vec<String>, ends: &[ProfileEnd], before_
 
 fn target(law: &wire::Law) -> Option<&Profile> {
     match law.target() {
-        LawTarget::Velocity(profile) | LawTarget::Joints { position: profile, .. } => Some(profile),
+        LawTarget::Velocity(profile) | LawTarget::Joints { position: profile, .. } | LawTarget::Point(profile) => {
+            Some(profile)
+        }
         LawTarget::Pose { displacement, .. } => displacement,
         LawTarget::None => None,
     }

@@ -6,8 +6,10 @@ use revprio_core::streaming::{Ignored, TargetReport, TargetState};
 /// Adds warnings about targets that are late, missing or ignored.
 pub fn warn(warnings: &mut Vec<String>, controller: &Controller, command: &Command) {
     for (task, target) in controller.config().tasks.iter().zip(&command.targets) {
+        warnings.extend(target.unused.and_then(|ignored| unused(&task.name, ignored)));
         let Some(report) = target.streamed else { continue };
-        warnings.extend(late(task, &report));
+        let touches = target.contact.iter().any(|contact| contact.phase.touches());
+        warnings.extend(late(task, &report, touches));
         warnings.extend(report.ignored.and_then(|ignored| unused(&task.name, ignored)));
     }
 }
@@ -30,7 +32,8 @@ fn unused(task: &str, ignored: Ignored) -> Option<String> {
     }
 }
 
-fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
+/// `touches`: whether the task presses on a surface, or retreats from one.
+fn late(task: &TaskConfig, report: &TargetReport, touches: bool) -> Option<String> {
     let name = &task.name;
     let age = report.age_s.map_or_else(
         || "its targets are past or of another clock".to_owned(),
@@ -41,6 +44,10 @@ fn late(task: &TaskConfig, report: &TargetReport) -> Option<String> {
         TargetState::Holding => Some(format!(
             "task `{name}` holds its last target, because {age}; send targets at least every {} s",
             task.streaming.hold_after_s
+        )),
+        TargetState::Braking if touches => Some(format!(
+            "task `{name}` goes on with its last target force, because {age}; it follows again with the next target. Check the \
+             sender and its clock"
         )),
         TargetState::Braking => Some(format!(
             "task `{name}` brakes to rest, because {age}; it follows again with the next target. Check the sender and \

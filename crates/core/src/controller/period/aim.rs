@@ -119,7 +119,7 @@ pub(super) fn aim<'a>(
     Aiming { problem, targets, streams, bounds, moved, gains, contacts, look_ahead, channels }: &'a mut Aiming,
 ) -> Result<Wishes<'a>, TaskError> {
     let Problem { tasks, null_space_velocity, damping, .. } = &mut *problem;
-    streams::update(streams, previous, (&measurement.targets, &measurement.chunks), arm, config);
+    let unused = streams::update(streams, previous, (&measurement.targets, &measurement.chunks), arm, config);
     channels::update(channels, previous, measurement, streams, (arm, config));
     tasks.overwrite_jacobians(|k, jacobian| write_jacobian(k, &moved[k], (config, arm), jacobian))?;
     bounds.start_period();
@@ -127,6 +127,9 @@ pub(super) fn aim<'a>(
     contacts.start_period(config, arm, previous, tasks);
     for (k, target) in targets.iter_mut().enumerate() {
         evaluate_law(k, target, (bounds, gains, contacts), (config, arm, previous), (tasks, streams));
+    }
+    for (k, target) in targets.iter_mut().enumerate() {
+        target.unused = unused.iter().find(|(task, _)| *task == k).map(|(_, ignored)| *ignored);
     }
     contacts.slide_slowly(config, targets);
     contacts.give_way_to_a_retreat(config, targets, tasks)?;
@@ -144,11 +147,16 @@ pub(super) fn aim<'a>(
     }
     let share = fade(config, arm, previous, gains, (targets, null_space_velocity.as_mut()));
     tasks.overwrite(|k, _, lower, upper| {
-        let velocity = &targets[k].velocity;
+        let TaskTarget { velocity, released_by, .. } = &targets[k];
         let (least, greatest) =
             config.tasks[k].law.bounds().map_or((velocity, velocity), |bounds| (bounds.lower(), bounds.upper()));
         lower.copy_from_slice(&config.weighed(k, least.as_slice()));
         upper.copy_from_slice(&config.weighed(k, greatest.as_slice()));
+        if released_by.is_some() && config.tasks[k].law.bounds().is_some() {
+            // Rows that are zero keep them.
+            lower.iter_mut().for_each(|bound| *bound = bound.min(0.0));
+            upper.iter_mut().for_each(|bound| *bound = bound.max(0.0));
+        }
     })?;
     let virtual_arm = look_ahead.as_ref().map(LookAhead::virtual_arm);
     let requests = Requests { targets, moved, streams, contacts, gains, share, virtual_arm, channels };

@@ -2,7 +2,7 @@
 
 use crate::law::ContactReport;
 use crate::linalg::Vector;
-use crate::streaming::TargetReport;
+use crate::streaming::{Ignored, TargetReport};
 
 /// The targets of a task in one period.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -13,6 +13,8 @@ pub struct TaskTarget {
     pub force: Vec<Option<f64>>,
     /// The streamed target; `None` if no target was streamed to this task.
     pub streamed: Option<TargetReport>,
+    /// Why the first chunk that came for this task is ignored: it goes on with its own target. `None`: none came, or it is followed.
+    pub unused: Option<Ignored>,
     /// The contact of each row; empty for other laws than the contact law.
     pub contact: Vec<ContactReport>,
     /// The task whose retreat from a fault by force releases this one: it asks for nothing. `None`: none does.

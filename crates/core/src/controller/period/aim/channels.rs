@@ -25,7 +25,7 @@ pub(super) fn update(
         channels[input.channel].accept(&config.channels[input.channel], *input, arm.time_s);
     }
     for chunk in &measurement.chunks {
-        merge(channels, chunk, streams, config);
+        merge(channels, chunk, streams, (arm.time_s, config));
     }
     let profile_s = arm.profile_time(arm.time_s);
     for (channel, stated) in channels.iter_mut().zip(&config.channels) {
@@ -34,13 +34,18 @@ pub(super) fn update(
 }
 
 /// Adds the channels of a chunk that its task follows.
-fn merge(channels: &mut [ChannelState], chunk: &StreamedChunk, streams: &[ActiveStream], config: &ControllerConfig) {
+fn merge(
+    channels: &mut [ChannelState],
+    chunk: &StreamedChunk,
+    streams: &[ActiveStream],
+    (time_s, config): (f64, &ControllerConfig),
+) {
     let Some(quantity) = chunk.actions.first().map(|action| action.value.quantity()) else { return };
     let Ok(index) = streams.binary_search_by_key(&(chunk.task, quantity), ActiveStream::key) else { return };
     let Some(merged) = streams[index].merged else { return };
     let moved_s = config.tasks[chunk.task].streaming.delay_s + merged.shift_s;
     for entry in &chunk.channels {
         let due = |target: &ChannelTarget| ChannelTarget { time_s: target.time_s + moved_s, ..*target };
-        channels[entry.channel].merge(entry.targets.iter().map(due));
+        channels[entry.channel].merge(entry.targets.iter().map(due), time_s);
     }
 }

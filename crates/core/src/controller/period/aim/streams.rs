@@ -1,21 +1,22 @@
 //! The streamed targets of all tasks in one period.
 
 use crate::arm_state::ArmState;
-use crate::controller::config::ControllerConfig;
+use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::controller::state::Memory;
+use crate::law::TaskVector;
 use crate::streaming::{
-    Action, ActiveStream, Align, Arriving, LaterTarget, Quantity, StreamedChunk, StreamedTarget, Target, TargetAhead,
-    TargetState, TargetStream,
+    Action, ActiveStream, Align, Arriving, Ignored, LaterTarget, Quantity, Reference, StreamedChunk, StreamedTarget,
+    Target, TargetAhead, TargetState, TargetStream, TargetValue,
 };
 
-/// Overwrites `streams` with the streams of this period.
+/// Overwrites `streams` with the streams of this period. Returns the tasks whose first chunk is ignored: they go on with their own targets.
 pub(super) fn update(
     streams: &mut Vec<ActiveStream>,
     previous: &Memory,
     (targets, chunks): (&[StreamedTarget], &[StreamedChunk]),
     arm: &ArmState,
     config: &ControllerConfig,
-) {
+) -> Vec<(usize, Ignored)> {
     streams.truncate(previous.target_streams.len());
     for (k, stream) in previous.target_streams.iter().enumerate() {
         match streams.get_mut(k) {
@@ -31,12 +32,12 @@ pub(super) fn update(
     for target in targets {
         accept(streams, target, previous, arm, config);
     }
-    for chunk in chunks {
-        merge(streams, chunk, previous, arm, config);
-    }
+    let merged = |chunk: &StreamedChunk| Some((chunk.task, merge(streams, chunk, previous, arm, config)?));
+    let unused = chunks.iter().filter_map(merged).collect();
     for active in streams {
         advance(active, previous, arm, config);
     }
+    unused
 }
 
 /// Returns whether no target came to a stream for so long that it brakes or rests.
@@ -65,17 +66,19 @@ fn accept(
     streams[index].ignored = ignored.or(streams[index].ignored);
 }
 
-/// Merges a checked chunk into its stream, which it starts if there is none.
+/// Merges a checked chunk into its stream, which it starts if there is none. Returns why a chunk is ignored that would have started one.
 fn merge(
     streams: &mut Vec<ActiveStream>,
     given: &StreamedChunk,
     previous: &Memory,
     arm: &ArmState,
     config: &ControllerConfig,
-) {
-    let Some(first) = given.actions.first() else { return };
+) -> Option<Ignored> {
+    let first = given.actions.first()?;
     let (task, quantity) = (&config.tasks[given.task], first.value.quantity());
+    let before = streams.len();
     let index = found_or_started(streams, (given.task, quantity), previous, arm, config);
+    let is_new = streams.len() > before;
     let due = |action: &Action| LaterTarget {
         time_s: action.time_s + task.streaming.delay_s,
         value: task.rows.target_value(&action.value, arm.measured()),
@@ -95,8 +98,13 @@ fn merge(
     let bound = |entry: usize| task.bound(quantity, entry, &arm.robot);
     match active.stream.merge(arriving, arm.time_s, &task.streaming, bound) {
         Ok(merged) => active.merged = Some(merged),
+        Err(ignored) if is_new => {
+            streams.remove(index);
+            return Some(ignored);
+        }
         Err(ignored) => active.ignored = Some(ignored),
     }
+    None
 }
 
 /// Returns the index of the stream of a task and quantity, which starts at the target of the configuration if there is none.
@@ -109,7 +117,13 @@ fn found_or_started(
 ) -> usize {
     streams.binary_search_by_key(&key, ActiveStream::key).unwrap_or_else(|index| {
         let (k, quantity) = key;
-        let reference = config.tasks[k].rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice());
+        let TaskConfig { rows, law, .. } = &config.tasks[k];
+        let reference = if quantity == Quantity::Force {
+            let force = law.target_force(arm.profile_time(arm.time_s));
+            Reference::at_rest(TargetValue::Rows(TaskVector::from_fn(rows.len(), |row| force[row].unwrap_or_default())))
+        } else {
+            rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice())
+        };
         streams.insert(index, ActiveStream::new(TargetStream::new(k, quantity, reference)));
         index
     })
