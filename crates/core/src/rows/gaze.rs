@@ -71,6 +71,12 @@ impl GazeRows {
         &self.target
     }
 
+    /// Returns the target point at the time of a posture, 3, m.
+    pub(super) fn target_at(&self, at: ArmAt) -> TaskVector {
+        let time_s = at.arm.profile_time(at.arm.known_time(&self.target, at.time_s));
+        TaskVector::from_slice(&self.target.at(time_s).value)
+    }
+
     /// Returns whether a body other than the tool looks, or looks at a point of another link than the base.
     pub(super) fn has_body(&self) -> bool {
         self.frame.body.is_some()
@@ -119,9 +125,8 @@ impl GazeRows {
 
     /// Returns the line of sight at a posture.
     fn sight(&self, at: ArmAt) -> Sight {
-        let time_s = at.arm.profile_time(at.arm.known_time(&self.target, at.time_s));
-        let target = Vector3::from_column_slice(&self.target.at(time_s).value);
-        self.sight_of(at.configuration, &target)
+        let target = self.target_at(at);
+        self.sight_of(at.configuration, &Vector3::new(target[0], target[1], target[2]))
     }
 
     fn sight_of(&self, configuration: &Configuration, target: &Vector3<f64>) -> Sight {

@@ -237,8 +237,7 @@ impl TaskRows {
             (Some(active), _) => target.copy_from(&active.stream.reference.value),
             (None, Self::Tool(rows)) => *target = rows.own_reference(at.arm).value,
             (None, Self::Joints(rows)) => rows.write_target(at, displacement, target),
-            // The angle to the line of sight is zero at the target.
-            (None, Self::Gaze(_)) => *target = TargetValue::Rows(TaskVector::zeros(self.len())),
+            (None, Self::Gaze(rows)) => *target = TargetValue::Rows(rows.target_at(at)),
             // A position law has no raw rows.
             (None, Self::Raw(_)) => {}
         }

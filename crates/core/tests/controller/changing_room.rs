@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
-use revprio_core::collision::{CollisionAvoidance, Obstacle, ObstacleShape};
+use revprio_core::collision::{CollisionAvoidance, Obstacle, ObstacleShape, ObstacleState};
 use revprio_core::constraint::Constraint;
 use revprio_core::controller::{Controller, ControllerConfig, Stepper, TaskConfig};
 use revprio_core::law::Profile;
 use revprio_core::limits::Drive;
 use revprio_core::linalg::Damping;
 use revprio_core::rows::TaskRows;
-use revprio_robot::collision::{OrientedBox, PlacedBody};
+use revprio_robot::collision::{OrientedBox, PlacedBody, Segment};
 use revprio_robot::kinematics::{Axis, Configuration};
 use revprio_robot::{RobotModel, built_in};
 
@@ -102,6 +102,45 @@ fn an_arm_stops_before_an_obstacle_that_is_added_and_goes_on_when_it_is_removed(
     }
     let left = (hand(&arm.q) - start - Vector3::new(0.0, 0.5, 0.0)).norm();
     assert!(left < 1e-3, "{left} m");
+}
+
+/// The ball of the scenario `passing_ball` passes again and again: each time the arm goes out of its way, and returns.
+#[test]
+fn an_arm_makes_way_for_a_ball_that_passes_often() {
+    let shape = ObstacleShape::Capsule { core: Segment { from: Vector3::zeros(), to: Vector3::zeros() }, radius: 0.08 };
+    let ball = Obstacle::new("ball", shape, true).unwrap();
+    let mut hold = task(&[Axis::X, Axis::Y, Axis::Z], position(3, 3.0));
+    hold.name = "hold".to_owned();
+    let posture =
+        TaskConfig { name: "posture".to_owned(), rows: joint_rows(&HOME), ..task(&[Axis::X], position(7, 1.0)) };
+    let avoidance =
+        CollisionAvoidance { min_distance_m: NEAREST, obstacles: vec![ball], ..CollisionAvoidance::default() };
+    let config = ControllerConfig::new(panda(), PERIOD, vec![hold, posture]);
+    let config = ControllerConfig { drive: DRIVE, constraints: vec![Constraint::Distances(avoidance)], ..config };
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let start = hand(&HOME);
+    let mut arm = LaggingArm::at_rest(&HOME, DRIVE, 0.0, 1);
+    let (mut memory, mut passes) = (None, Vec::new());
+    for pass in 0..8 {
+        let (mut pushed, mut left) = (0.0_f64, 0.0);
+        for i in 0..5000_u32 {
+            // 1 m across at 0.2 m/s, 5 cm behind the hand, then 15 s without motion.
+            let way = (0.2 * f64::from(i) * PERIOD).min(1.0);
+            let speed = if way < 1.0 { 0.2 } else { 0.0 };
+            let mut state = arm.measure(f64::from(pass * 5000 + i) * PERIOD);
+            state.obstacles = vec![ObstacleState {
+                name: "ball".into(),
+                position: start + Vector3::new(0.05, way - 0.5, 0.0),
+                velocity: Vector3::new(0.0, speed, 0.0),
+            }];
+            let command = stepper.step(&mut memory, &state).unwrap().resolution.joint_velocity.clone();
+            arm.follow(command.as_slice(), PERIOD);
+            left = (hand(&arm.q) - start).norm();
+            pushed = pushed.max(left);
+        }
+        passes.push((pushed, left));
+    }
+    assert!(passes.iter().all(|(pushed, left)| *pushed > 0.03 && *left < 5e-3), "{passes:?}");
 }
 
 /// How an arm comes to rest: the time of the last command above 0.1 rad/s, s, and the largest command and the largest change of a command

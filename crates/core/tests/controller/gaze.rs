@@ -66,6 +66,32 @@ fn tool(robot: &RobotModel) -> BodyFrame {
     BodyFrame::from(&robot.tips()[0])
 }
 
+/// The joints turn with the point, for minutes; turning has a price only where the target rests.
+#[test]
+fn a_camera_follows_a_point_that_goes_back_and_forth() {
+    let robot = panda();
+    let eye = task(&[Axis::X, Axis::Y, Axis::Z], position(3, 4.0));
+    let sine = Profile::sine(vec![0.6, 0.0, 0.1], vec![0.0, 0.3, 0.0], 1.57, 0.0).unwrap();
+    let config = ControllerConfig {
+        drive: DRIVE,
+        ..ControllerConfig::new(Arc::clone(&robot), PERIOD, vec![eye, look(None, sine.clone(), gain(4.0))])
+    };
+    let mut stepper = Stepper::new(Controller::new(config).unwrap()).unwrap();
+    let mut arm = LaggingArm::at_rest(&PANDA, DRIVE, 0.0, 1);
+    let (mut memory, mut worst) = (None, 0.0_f64);
+    for i in 0..20_000 {
+        let time = f64::from(i) * PERIOD;
+        let command = stepper.step(&mut memory, &arm.measure(time)).unwrap();
+        assert_eq!(command.request_share, 1.0, "{time} s");
+        arm.follow(command.resolution.joint_velocity.as_slice(), PERIOD);
+        if time > 10.0 {
+            let point = Vector3::from_column_slice(&sine.at(time).value);
+            worst = worst.max(angle(&robot, &arm.q, tool(&robot), |_| point));
+        }
+    }
+    assert!(worst < 0.05, "{worst} rad");
+}
+
 #[test]
 fn the_rows_are_the_rate_of_the_angle_at_any_angle() {
     let robot = panda();

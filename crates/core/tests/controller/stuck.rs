@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_core::controller::{
-    Controller, ControllerConfig, Measurement, NullSpaceMotion, Obstacle, Stepper, TaskConfig,
+    Controller, ControllerConfig, Measurement, Memory, NullSpaceMotion, Obstacle, Stepper, TaskConfig,
 };
 use revprio_core::law::Profile;
 use revprio_core::limits::Drive;
 use revprio_core::linalg::Vector;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
 use revprio_robot::{RobotModel, built_in};
 
@@ -92,6 +93,52 @@ fn is_at(robot: &RobotModel, q: &[f64], pose: &IsometryMatrix3<f64>) -> bool {
     let tool = *Configuration::new(robot, q).unwrap().tool_pose();
     let distance = (tool.translation.vector - pose.translation.vector).norm();
     distance < 1e-2 && orientation_error(&pose.rotation, &tool.rotation).norm() < 1e-2
+}
+
+/// Another controller, or a target that streams, ends the motion that leaves a posture.
+#[test]
+fn a_motion_that_leaves_a_posture_ends_with_what_asked_for_it() {
+    let robot = panda();
+    let mut random = Random(1);
+    let mut left = 0;
+    for _ in 0..16 {
+        let start = random_posture(&robot, 1.0, &mut random);
+        let target = random_posture(&robot, 0.8, &mut random);
+        let pose = *Configuration::new(&robot, &target).unwrap().tool_pose();
+        let mut stepper = Stepper::new(Controller::new(split(&robot, pose)).unwrap()).unwrap();
+        let (mut memory, mut q) = (None, start);
+        for i in 0..1000_u32 {
+            let mut state = super::arms::measurement(&q);
+            state.time_s = f64::from(i) * PERIOD;
+            let command = stepper.step(&mut memory, &state).unwrap();
+            let leaves = command.stuck.iter().any(|stuck| stuck.leaving);
+            let velocity = command.resolution.joint_velocity.clone();
+            if leaves {
+                left += 1;
+                let known = memory.clone().unwrap();
+                assert!(known.progress.iter().any(|progress| progress.leaving_since_s.is_some()));
+                let next = Controller::new(split(&robot, pose)).unwrap();
+                let kept = next.continue_from(stepper.controller(), &known, &q).unwrap();
+                assert!(kept.progress.iter().all(|progress| progress.leaving_since_s.is_none()));
+                let task = leaving_task(&known);
+                let value = StreamedValue::Pose { position: None, orientation: Some(pose.rotation.into()) };
+                state.time_s += PERIOD;
+                state.targets =
+                    vec![StreamedTarget { task, time_s: state.time_s, value, velocity: None, ahead: Vec::new() }];
+                let mut streamed = Some(known);
+                stepper.step(&mut streamed, &state).unwrap();
+                assert!(streamed.unwrap().progress[task].leaving_since_s.is_none());
+                break;
+            }
+            q.iter_mut().zip(&velocity).for_each(|(q, speed)| *q += PERIOD * speed);
+        }
+    }
+    assert!(left > 3, "{left} of 16");
+}
+
+/// Returns the task that leaves its posture.
+fn leaving_task(memory: &Memory) -> usize {
+    memory.progress.iter().position(|progress| progress.leaving_since_s.is_some()).unwrap()
 }
 
 #[test]

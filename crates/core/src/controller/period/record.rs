@@ -14,10 +14,12 @@ use super::allow::Allowed;
 use super::resolve::Answer;
 use crate::arm_state::ArmState;
 use crate::channel::ChannelState;
-use crate::controller::config::ControllerConfig;
+use crate::constraint;
+use crate::controller::config::{ControllerConfig, TaskConfig};
 use crate::controller::state::{Command, Measurement, Memory, RestState, TaskTarget, are_moving, has_jumped};
+use crate::law::VelocityBounds;
 use crate::linalg::Vector;
-use crate::resolution::TaskOutcome;
+use crate::resolution::{Problem, Resolution, TaskOutcome};
 
 /// The memory of this step.
 #[derive(Debug)]
@@ -67,7 +69,12 @@ pub(super) fn record<'a>(
         }
     }
     stalls::update(memory, config, position, in_time, &mut command.stalled);
-    update_rest(memory, (config, arm, in_time), gains, &command.resolution.joint_velocity);
+    update_rest(
+        memory,
+        (config, arm, in_time),
+        (gains, makes_way(config, measurement, (problem, &command.resolution))),
+        &command.resolution.joint_velocity,
+    );
     contacts::update(&mut memory.contacts, (config, &memory.drive), contacts, &problem.tasks, &command.resolution);
     memory.in_transition = in_transition;
     next_memory::update(memory, config, measurement, (command, requested), streams);
@@ -93,11 +100,28 @@ pub(super) fn record<'a>(
     command
 }
 
+/// Speed of an obstacle above which it moves, m/s: more than what the noise of a camera makes of one that rests.
+const OBSTACLE_SPEED: f64 = 0.01;
+
+/// Returns whether the arm keeps clear while an obstacle moves: it turns with the obstacle then, as with a target that moves.
+fn makes_way(
+    config: &ControllerConfig,
+    measurement: &Measurement,
+    (problem, resolution): (&Problem, &Resolution),
+) -> bool {
+    let moves = measurement.obstacles.iter().any(|obstacle| obstacle.velocity.norm() > OBSTACLE_SPEED);
+    let Some((_, rows)) = constraint::distances(&config.constraints).filter(|_| moves) else { return false };
+    // Each row 0 begins a constraint.
+    let index = |row: usize| problem.inequalities[..row].iter().filter(|row| row.row() == 0).count();
+    let of_distances = index(rows.start)..index(rows.end);
+    resolution.active_constraints().any(|(constraint, _)| of_distances.contains(&constraint))
+}
+
 /// Updates how the joints turn and what the tasks gained. The memory is that before the command, n.
 fn update_rest(
     memory: &mut Memory,
     (config, arm, in_time): (&ControllerConfig, &ArmState, bool),
-    gains: &Gains,
+    (gains, makes_way): (&Gains, bool),
     command: &Vector,
 ) {
     if !config.comes_to_rest() {
@@ -109,7 +133,10 @@ fn update_rest(
     let before = answered.as_ref().filter(|_| in_time);
     let position = arm.measured().configuration.joint_position();
     let targets_change = gains.has_new_target || are_moving(gains.way, config.period_s);
-    if targets_change || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice())) {
+    if targets_change
+        || makes_way
+        || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice()))
+    {
         rest.restart();
     }
     if !progress.iter().any(|progress| progress.is_leaving(arm.time_s)) {
@@ -127,7 +154,7 @@ fn remove_weights(config: &ControllerConfig, outcomes: &mut [TaskOutcome], targe
         let mut squares = 0.0;
         for (row, achieved) in outcome.achieved.iter_mut().enumerate() {
             *achieved /= config.weight(k, row);
-            let missed = match config.tasks[k].law.bounds() {
+            let missed = match stated_bounds(&config.tasks[k], target) {
                 Some(bounds) => *achieved - achieved.clamp(bounds.lower()[row], bounds.upper()[row]),
                 None => *achieved - target.velocity[row],
             };
@@ -135,6 +162,11 @@ fn remove_weights(config: &ControllerConfig, outcomes: &mut [TaskOutcome], targe
         }
         outcome.residual_norm = squares.sqrt();
     }
+}
+
+/// Returns the bounds that a task asks for; `None`: it has a law, or is released.
+fn stated_bounds<'a>(task: &'a TaskConfig, target: &TaskTarget) -> Option<&'a VelocityBounds> {
+    task.law.bounds().filter(|_| target.released_by.is_none())
 }
 
 /// Keeps the channels, without allocating if the memory has them.
@@ -149,6 +181,7 @@ fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
         target.velocity.copy_from(&wished.velocity);
         target.force.clone_from(&wished.force);
         target.streamed = wished.streamed;
+        target.unused = wished.unused;
         target.released_by = wished.released_by;
         target.is_short = wished.is_short;
         target.contact.clone_from(&wished.contact);
@@ -158,7 +191,7 @@ fn copy_targets(targets: &mut [TaskTarget], wished: &[TaskTarget]) {
 /// Sets the targets of tasks with bounds, which the answer decides.
 fn report_bounds(config: &ControllerConfig, command: &mut Command) {
     for ((target, outcome), task) in command.targets.iter_mut().zip(&command.resolution.tasks).zip(&config.tasks) {
-        if let Some(bounds) = task.law.bounds() {
+        if let Some(bounds) = stated_bounds(task, target) {
             target.velocity.copy_from_slice(&bounds.nearest(outcome.achieved.as_slice()));
         }
     }

@@ -23,7 +23,7 @@
 //!
 //! s scales all requests of the next period alike, so that their balance stays. τ = τ_0 2^k, where k counts how often W has reached
 //! l. Targets that move faster than v_0 or jump start anew with W = 0, and so does an arm that is elsewhere than in the period before:
-//! joints that follow a moving target turn with it. A motion that
+//! joints that follow a moving target turn with it, and those that make way for a moving obstacle turn with that. A motion that
 //! leaves a posture ([`Progress`](super::Progress)) neither pays nor fades, and starts anew as well; there are at most
 //! [`MAX_ATTEMPTS`](crate::controller::MAX_ATTEMPTS) of these.
 //!

@@ -126,7 +126,8 @@ impl Observation<'_> {
             if self.config.tasks[k].law.bounds().is_some() {
                 continue;
             }
-            if let Some(since_s) = progress.slow_since_s.filter(|_| progress.is_leaving(self.time_s)) {
+            let leaves = progress.is_leaving(self.time_s) && self.targets[k].streamed.is_none();
+            if let Some(since_s) = progress.slow_since_s.filter(|_| leaves) {
                 stuck.push(StuckTask { task: k, since_s, held_by: &[], leaving: true });
                 continue;
             }
