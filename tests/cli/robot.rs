@@ -130,6 +130,9 @@ fn overrides_are_read_from_a_file() {
     assert!(serve(&format!(r#"{{"limits": {twice}}}"#)).contains("`shoulder` is given twice"));
     assert!(serve(r#"{"joint_names": {"shoulder": "a", "shoulder": "b"}}"#).contains("`shoulder` is given twice"));
     assert!(serve(r#"{"limits": {"nose": {}}}"#).contains("`limits` has a joint `nose`"));
+    let shapes = scratch.write("shapes.json", r#"{"shape_list": [{"link": "j4", "sphere": {"radius": 0.1}}]}"#);
+    let shown = success(&["robots", "check", &format!("fixtures/robots/sawyer_dh.toml,name=rows,overrides={shapes}")]);
+    assert!(shown.contains("Shapes: 1 capsules"), "{shown}");
     let rows = format!("fixtures/robots/sawyer_dh.toml,overrides={json}");
     assert!(failure(&["serve", "--robot", &rows]).contains("`base` and `tip` are for .urdf"));
 }

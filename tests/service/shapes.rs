@@ -58,6 +58,28 @@ fn a_semantic_description_gives_tips_and_pairs_that_are_left_out() {
 }
 
 #[test]
+fn a_body_that_cannot_be_read_is_named_and_hides_no_other_one() {
+    let service = Service::start();
+    let post = |name: &str, urdf: String, change: Value| {
+        let mut robot = json!({"name": name, "urdf": urdf, "tip": "right_hand"});
+        robot.as_object_mut().unwrap().extend(change.as_object().unwrap().clone());
+        service.post("/v1/robots", &robot.to_string())
+    };
+    let turned = urdf().replacen(r#"rpy="0 1.5707963 0""#, r#"quat_xyzw="0 0.7071 0 0.7071""#, 2);
+    let refused = post("turned", turned, json!({"shapes": "fit"}));
+    refused.assert_refused(422, Some("/urdf"));
+    assert!(refused.text.contains("`quat_xyzw` of <origin> is not supported"), "{}", refused.text);
+    let odd = urdf().replace(r#"<sphere radius="0.05"/>"#, r#"<ellipsoid radii="1 2 3"/>"#);
+    let listed = json!({"shape_list": [{"link": "right_lower", "body": "right_lower", "sphere": {"radius": 0.1}}]});
+    let robot = post("odd", odd, listed).accepted();
+    let uncovered = robot["shapes"]["uncovered_links"].as_array().unwrap();
+    for link in ["table", "right_upper", "right_hand", "left_upper"] {
+        assert!(uncovered.contains(&json!(link)), "{uncovered:?}");
+    }
+    assert!(!uncovered.contains(&json!("right_lower")), "{uncovered:?}");
+}
+
+#[test]
 fn the_bodies_of_the_text_cover_the_links_and_what_they_miss_is_named() {
     let service = Service::start();
     let robot = register(&service, &json!({"tip": "right_hand"}));

@@ -156,7 +156,8 @@ impl About<'_> {
                 };
                 self.robot.joints().iter().filter(moves).enumerate().filter_map(worst).collect()
             }
-            LawTarget::None => Vec::new(),
+            // A camera may look at what is far away.
+            LawTarget::Point(_) | LawTarget::None => Vec::new(),
         }
     }
 

@@ -12,6 +12,12 @@ const MAX_REGISTERED: usize = 64;
 /// Maximum length of the name of a robot, bytes.
 pub const MAX_NAME: usize = 64;
 
+/// Maximum number of joints of a robot with those that follow others by `<mimic>`.
+pub const MAX_MOVING_JOINTS: usize = 256;
+
+/// Maximum number of joints of a robot and of a problem. It is enough for several humanoid robots.
+pub const MAX_JOINTS: usize = 128;
+
 /// The reason why a robot cannot be found, added or removed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RobotsError {
@@ -21,6 +27,12 @@ pub enum RobotsError {
          letter or digit"
     )]
     Name(String),
+    /// The robot has too many joints.
+    #[error("{0} joints; a robot has at most {MAX_JOINTS}")]
+    Joints(usize),
+    /// The robot has too many joints that follow others.
+    #[error("{0} joints with those that follow others by <mimic>; a robot has at most {MAX_MOVING_JOINTS}")]
+    MovingJoints(usize),
     /// Another robot has the name.
     #[error("the name `{0}` is taken; choose another")]
     Taken(String),
@@ -70,6 +82,15 @@ impl Registered {
     }
 }
 
+/// Checks that a robot has at most [`MAX_JOINTS`] joints, and [`MAX_MOVING_JOINTS`] with those that follow others.
+pub fn check_joints(robot: &RobotModel) -> Result<(), RobotsError> {
+    match (robot.joint_count(), robot.moving_joints().len()) {
+        (joints, _) if joints > MAX_JOINTS => Err(RobotsError::Joints(joints)),
+        (_, moving) if moving > MAX_MOVING_JOINTS => Err(RobotsError::MovingJoints(moving)),
+        _ => Ok(()),
+    }
+}
+
 impl Robots {
     /// Creates a registry of the robots that ship with the program.
     pub fn built_in() -> Self {
@@ -83,6 +104,7 @@ impl Robots {
 
     /// Adds a permanent robot.
     pub fn with(mut self, robot: Arc<RobotModel>) -> Result<Self, RobotsError> {
+        check_joints(&robot)?;
         self.check_name(robot.name(), &[])?;
         self.permanent.push(robot);
         Ok(self)
@@ -166,6 +188,9 @@ impl Robots {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::IsometryMatrix3;
+    use revprio_robot::{UrdfTip, UrdfTreeOptions};
+
     use super::*;
 
     fn named(name: &str) -> Arc<RobotModel> {
@@ -182,6 +207,34 @@ mod tests {
         assert!(matches!(robots.get("forgotten"), Err(RobotsError::Unknown { .. })));
         drop(held);
         assert!(robots.get("held").is_err() && robots.get("sawyer_dh").is_ok());
+    }
+
+    #[test]
+    fn a_robot_of_a_file_has_as_many_joints_as_a_registered_one() {
+        let link = |i| format!("<link name='l{i}'/>");
+        let robot = |joints: &[String]| {
+            let links: Vec<String> = (0..=joints.len()).map(link).collect();
+            let text = format!("<robot name='chain'>{}{}</robot>", links.concat(), joints.concat());
+            let tips: Vec<String> = (1..=joints.len()).map(|i| format!("l{i}")).collect();
+            let tip = |link| UrdfTip { name: link, link, offset: IsometryMatrix3::identity() };
+            let tips: Vec<UrdfTip> = tips.iter().map(|link| tip(link.as_str())).collect();
+            let options = UrdfTreeOptions { tips: &tips, ..UrdfTreeOptions::default() };
+            Robots::none().with(Arc::new(RobotModel::from_urdf_tree(&text, &options).unwrap()))
+        };
+        let joint = |i: usize, parent: usize, mimic: &str| {
+            let child = i + 1;
+            format!(
+                "<joint name='j{i}' type='continuous'><parent link='l{parent}'/><child link='l{child}'/><axis xyz='0 0 1'/>{mimic}</joint>"
+            )
+        };
+        let chain = |joints: usize| (0..joints).map(|i| joint(i, i, "")).collect::<Vec<_>>();
+        assert!(robot(&chain(MAX_JOINTS)).is_ok());
+        assert_eq!(robot(&chain(MAX_JOINTS + 1)).unwrap_err(), RobotsError::Joints(MAX_JOINTS + 1));
+        let mut hand = vec![joint(0, 0, "")];
+        hand.extend((1..MAX_MOVING_JOINTS).map(|i| joint(i, 0, "<mimic joint='j0'/>")));
+        assert!(robot(&hand).is_ok());
+        hand.push(joint(MAX_MOVING_JOINTS, 0, "<mimic joint='j0'/>"));
+        assert_eq!(robot(&hand).unwrap_err(), RobotsError::MovingJoints(MAX_MOVING_JOINTS + 1));
     }
 
     #[test]

@@ -349,9 +349,9 @@ impl Explained<'_> {
     }
 
     fn stuck(&self, stuck: &StuckTask) -> String {
-        let (name, since) = (self.tasks[stuck.task].name, significant(stuck.since_s, 4));
+        let (name, since) = (self.tasks[stuck.task].name, stuck.since_s);
         let leaving = if stuck.leaving { "; the arm leaves this posture" } else { "" };
-        format!("task `{name}` has made no progress since t = {since} s{leaving}")
+        format!("task `{name}` has made no progress since t = {since:.3} s{leaving}")
     }
 
     /// Returns the unit of the velocity of a joint.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use super::built_in_shapes::with_built_in_shapes;
-use super::{DescriptionError, RobotModel, UrdfError, UrdfOptions, UrdfTreeOptions, from_json, from_toml};
+use super::{DescriptionError, Overrides, RobotModel, UrdfError, UrdfOptions, UrdfTreeOptions, from_json, from_toml};
 
 /// Why a robot file is refused.
 #[derive(Debug, thiserror::Error)]
@@ -77,7 +77,8 @@ pub fn tree_from_file(path: &Path, options: &UrdfTreeOptions) -> Result<RobotMod
 
 /// Whether the options say more than a name.
 fn is_chosen(options: &UrdfOptions) -> bool {
-    options.base.is_some() || options.tip.is_some() || options.overrides.is_some()
+    let overrides = options.overrides.is_some_and(|overrides| *overrides != Overrides::default());
+    options.base.is_some() || options.tip.is_some() || overrides
 }
 
 macro_rules! urdf {

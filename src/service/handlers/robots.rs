@@ -9,7 +9,7 @@ use revprio_api::wire;
 
 use super::{Segment, Shared};
 use crate::service::background::background;
-use crate::service::body::{Answer, Body, LargeAnswer};
+use crate::service::body::{Body, LargeAnswer};
 use crate::service::convert;
 use crate::service::error::ApiError;
 use crate::service::state::AppState;
@@ -37,9 +37,9 @@ pub async fn robots(State(app): Shared) -> Result<LargeAnswer<wire::RobotList>, 
     tag = "robots",
     responses((status = 200, body = wire::Robot, description = "The robot."))
 )]
-pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<Answer<wire::Robot>, ApiError> {
+pub async fn robot(State(app): Shared, Segment(name): Segment) -> Result<LargeAnswer<wire::Robot>, ApiError> {
     let robot = app.robots.get(&name).map_err(|error| convert::robots_error(&error))?;
-    Ok(Answer(convert::robot_answer(&robot)))
+    background(move |_: &_| convert::robot_answer(&robot)).await.map(LargeAnswer)
 }
 
 /// Registers a robot.
@@ -67,7 +67,7 @@ pub async fn register_robot(
     let shared = Arc::clone(&app);
     let answer = app.new.run(move |_| register(&request, &shared)).await??;
     let location = [(header::LOCATION, format!("/v1/robots/{}", answer.name))];
-    Ok((StatusCode::CREATED, location, Answer(answer)))
+    Ok((StatusCode::CREATED, location, LargeAnswer(answer)))
 }
 
 fn register(request: &wire::RobotRegistration, app: &AppState) -> Result<wire::Robot, ApiError> {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Container, Iterator, Mapping
+from numbers import Real
 from types import ModuleType
 from typing import TYPE_CHECKING, NamedTuple
 from xml.etree import ElementTree as ET
@@ -46,6 +47,7 @@ def read_mjcf(
         ImportError: The package `mujoco` is not installed.
         ValueError: MuJoCo cannot compile the file, an `<equality>` couples two joints by a polynomial that is not
             linear, or `velocity_limits` names a joint that the model does not have.
+        TypeError: `velocity_limits` is neither a number nor a mapping.
 
     """
     try:
@@ -95,8 +97,13 @@ class _Tree:
         self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
 
     def speeds_of(self, limits: float | Mapping[str, float] | None) -> Mapping[str, float]:
+        if limits is None:
+            return {}
+        if isinstance(limits, Real):
+            return dict.fromkeys(self.joints, float(limits))
         if not isinstance(limits, Mapping):
-            return {} if limits is None else dict.fromkeys(self.joints, limits)
+            message = f"`velocity_limits`: give one number, or numbers by the names of joints, not {limits!r}"
+            raise TypeError(message)
         unknown = sorted(limits.keys() - set(self.joints))
         if unknown:
             message = f"`velocity_limits`: the model has no joint {unknown[0]}; its joints are {', '.join(self.joints)}"
@@ -231,7 +238,7 @@ class _Tree:
             return name, {"radius": _number(size[0]), "length": _number(2 * size[1])}, origin
         if kind in {int(self.geoms.mjGEOM_BOX), int(self.geoms.mjGEOM_ELLIPSOID)}:
             return "box", {"size": _numbers(2 * size)}, origin
-        if kind == self.geoms.mjGEOM_MESH:
+        if kind in {int(self.geoms.mjGEOM_MESH), int(self.geoms.mjGEOM_SDF)}:
             middle, half = self.model.geom_aabb[geom][:3], self.model.geom_aabb[geom][3:]
             return "box", {"size": _numbers(2 * half)}, middle
         return None

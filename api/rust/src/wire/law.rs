@@ -206,6 +206,8 @@ pub enum LawTarget<'a> {
         /// Their positions.
         position: &'a Profile,
     },
+    /// A point to look at.
+    Point(&'a Profile),
     /// Neither a pose nor a velocity, or the middle of ranges.
     None,
 }
@@ -223,7 +225,8 @@ impl Law {
             Self::Posture { joints, target_position: PostureTarget::Profile(position), .. } => {
                 LawTarget::Joints { names: joints.as_deref(), position }
             }
-            Self::Posture { .. } | Self::LookAt { .. } | Self::Contact { .. } | Self::Force { .. } => LawTarget::None,
+            Self::LookAt { target_point, .. } => LawTarget::Point(target_point),
+            Self::Posture { .. } | Self::Contact { .. } | Self::Force { .. } => LawTarget::None,
         }
     }
 

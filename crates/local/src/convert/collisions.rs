@@ -1,5 +1,7 @@
 //! Shapes and obstacles.
 
+use std::collections::{HashMap, HashSet};
+
 use nalgebra::{IsometryMatrix3, Vector3};
 use revprio_api::wire;
 use revprio_core::collision::{
@@ -166,15 +168,16 @@ fn shape_error(error: &CollisionError, names: &[String], listed: usize) -> ApiEr
 ///
 /// A shape of a link covers what fixed joints connect with it too, unless it names another body.
 fn uncovered(robot: &RobotModel, request: &wire::RobotRegistration, shapes: &FittedShapes) -> Vec<String> {
-    let Ok(found) = robot.link_bodies(&request.urdf) else { return Vec::new() };
+    let Ok(found) = robot.readable_link_bodies(&request.urdf) else { return Vec::new() };
     let is_named = |name: &String| shapes.names.contains(name);
     let covers_all = |link: LinkId| is_named(&robot.links()[link.index()].name);
     let is_stated = |name: &String| is_named(name) || robot.link(name).is_some_and(covers_all);
     let mut uncovered: Vec<String> = found.uncovered.into_iter().filter(|name| !is_stated(name)).collect();
-    let bare = found.bodies.into_iter().filter(|body| !is_named(&body.name) && !covers_all(body.link));
-    uncovered.extend(bare.map(|body| body.name));
-    // The bodies of a link follow each other.
-    uncovered.dedup();
+    let bodies = found.bodies.into_iter().map(|body| (body.name, body.link));
+    let bare = bodies.chain(found.unreadable).filter(|(name, link)| !is_named(name) && !covers_all(*link));
+    uncovered.extend(bare.map(|(name, _)| name));
+    let mut known = HashSet::new();
+    uncovered.retain(|name| known.insert(name.clone()));
     uncovered
 }
 
@@ -191,10 +194,17 @@ const STATED: &str = "stated";
 
 /// Reads the pairs that a registration leaves out.
 fn stated_pairs(robot: &RobotModel, request: &wire::RobotRegistration) -> Result<Vec<StatedPair>> {
+    let leave_out = request.collision_pairs.as_ref().map_or(&[][..], |pairs| &pairs.leave_out);
+    if leave_out.is_empty() {
+        return Ok(Vec::new());
+    }
+    let ids: HashMap<&str, LinkId> =
+        robot.links().iter().filter_map(|link| Some((link.name.as_str(), robot.link(&link.name)?))).collect();
+    let find = |name: &str, at: &str| ids.get(name).copied().map_or_else(|| link(robot, name, at), Ok);
     let mut stated = Vec::new();
-    for (i, names) in request.collision_pairs.iter().flat_map(|pairs| &pairs.leave_out).enumerate() {
+    for (i, names) in leave_out.iter().enumerate() {
         let at = |side: usize| format!("/collision_pairs/leave_out/{i}/{side}");
-        let links = [link(robot, &names[0], &at(0))?, link(robot, &names[1], &at(1))?];
+        let links = [find(&names[0], &at(0))?, find(&names[1], &at(1))?];
         stated.push(StatedPair { links, reason: STATED.to_owned() });
     }
     Ok(stated)
@@ -247,7 +257,7 @@ pub fn shapes_answer(robot: &RobotModel) -> Option<wire::RobotShapes> {
 
 fn left_out_answer(model: &CollisionModel) -> Vec<wire::LeftOutPair> {
     let pairs = model.left_out().iter().map(|pair| wire::LeftOutPair {
-        links: pair.links.clone(),
+        links: pair.links.each_ref().map(ToString::to_string),
         reason: match &pair.reason {
             PairReason::Neighbours => "neighbours".to_owned(),
             PairReason::AlwaysTouch => "always_touch".to_owned(),

@@ -47,7 +47,7 @@ pub use environment::MAX_ENVIRONMENT_DELAY;
 pub use inequalities::MAX_INEQUALITIES;
 pub use kinematics::kinematics;
 pub use memory::{last_state, memory, memory_answer};
-pub use numbers::{MAX_JOINTS, MAX_MAGNITUDE, MAX_REMEMBERED, MAX_TIME_S, MIN_INERTIA, joint_vector};
+pub use numbers::{MAX_MAGNITUDE, MAX_REMEMBERED, MAX_TIME_S, MIN_INERTIA, joint_vector};
 pub use payload::identify as payload;
 pub use profile::MAX_POINTS;
 pub use resolve::{MAX_PERIOD_S, MIN_PERIOD_S, ResolveProblem, resolution_error, resolve_answer, resolve_problem};

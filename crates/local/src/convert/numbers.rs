@@ -12,9 +12,6 @@ use revprio_robot::RobotModel;
 use super::checks::{Inside, Missing, Result, check, each};
 use crate::error::{ApiError, escape_pointer};
 
-/// Maximum number of joints. It is enough for several humanoid robots in one problem.
-pub const MAX_JOINTS: usize = 128;
-
 /// Maximum magnitude of a number in a request. It is far above any quantity of an arm, and its square does not overflow.
 pub const MAX_MAGNITUDE: f64 = 1e9;
 

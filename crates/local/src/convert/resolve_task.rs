@@ -7,10 +7,11 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{AxisSelection, Configuration};
 
 use super::checks::{Inside, Missing, Refused, Result, check, each};
-use super::numbers::{MAX_JOINTS, check_numbers, numbers, velocity_bounds};
+use super::numbers::{check_numbers, numbers, velocity_bounds};
 use super::pose::{task_body, task_frame};
 use super::terms;
 use crate::error::ApiError;
+use crate::robots::MAX_JOINTS;
 
 /// Maximum number of rows of all tasks together. It is far above any arm, and bounds the time of a request.
 pub const MAX_ROWS: usize = 512;

@@ -8,11 +8,11 @@ use revprio_robot::{
 
 use super::checks::{Inside, Result, check, check_name, each};
 use super::collisions::{shapes_answer, srdf, with_shapes};
-use super::numbers::{MAX_JOINTS, check_numbers, number};
+use super::numbers::{check_numbers, number};
 use super::pose::pose;
 use super::terms;
 use crate::error::{ApiError, escape_pointer};
-use crate::robots::RobotsError;
+use crate::robots::{RobotsError, check_joints};
 
 /// Maximum number of tips of a robot.
 pub const MAX_TIPS: usize = 32;
@@ -38,9 +38,7 @@ pub fn robot(request: &wire::RobotRegistration) -> Result<RobotModel> {
     if request.tips.is_some() {
         check_tip_names(&robot).map_err(named)?;
     }
-    let joints = robot.joint_count();
-    let detail = format_args!("{joints} joints; a robot has at most {MAX_JOINTS}");
-    check(joints <= MAX_JOINTS, "/urdf", detail)?;
+    check_joints(&robot).map_err(|error| robots_error(&error))?;
     with_shapes(robot, request, None)
 }
 
@@ -164,6 +162,7 @@ fn urdf_error(request: &wire::RobotRegistration, error: &UrdfError) -> ApiError 
 pub fn robots_error(error: &RobotsError) -> ApiError {
     match error {
         RobotsError::Name(_) => ApiError::invalid("/name", error),
+        RobotsError::Joints(_) | RobotsError::MovingJoints(_) => ApiError::invalid("/urdf", error),
         RobotsError::Taken(_) => ApiError::name_taken(error.to_string()),
         RobotsError::Full => ApiError::too_many_robots(error.to_string()),
         RobotsError::Permanent(_) => ApiError::permanent(error.to_string()),

@@ -1,6 +1,7 @@
 //! Which pairs of shapes must keep clear of each other.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use super::placed::PlacedBody;
 use crate::kinematics::Configuration;
@@ -24,8 +25,12 @@ pub(super) fn choose_pairs(
     let names = model.names();
     let of_text =
         |i: usize, j: usize| disabled.get(&sorted([&names[i], &names[j]])).map(|reason| stated_by_text(reason));
-    let named = |i: usize, j: usize| [names[i].clone(), names[j].clone()];
-    let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+    // Many pairs share a name.
+    let shared: Vec<Arc<str>> = names.iter().map(|name| Arc::from(name.as_str())).collect();
+    let named = |i: usize, j: usize| [Arc::clone(&shared[i]), Arc::clone(&shared[j])];
+    let stated: HashMap<[LinkId; 2], &str> =
+        stated.iter().rev().map(|pair| (in_order(pair.links), pair.reason.as_str())).collect();
+    let (mut pairs, mut left_out) = (Vec::new(), LeftOutPairs::default());
     let capsules = model.capsules();
     for (j, second) in capsules.iter().enumerate() {
         for (i, first) in capsules[..j].iter().enumerate() {
@@ -33,19 +38,19 @@ pub(super) fn choose_pairs(
             if first.link == second.link {
                 continue;
             }
-            match of_text(i, j).or_else(|| reason(robot, stated, links)) {
-                Some(reason) => leave_out(&mut left_out, named(i, j), reason),
+            match of_text(i, j).or_else(|| reason(robot, &stated, links)) {
+                Some(reason) => left_out.add(named(i, j), reason),
                 None => pairs.push([i, j]),
             }
         }
     }
     let farthest = farthest(robot, &model, &pairs);
     for (pair, _) in pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest < 0.0) {
-        leave_out(&mut left_out, named(pair[0], pair[1]), PairReason::AlwaysTouch);
+        left_out.add(named(pair[0], pair[1]), PairReason::AlwaysTouch);
     }
     let watched = pairs.iter().zip(&farthest).filter(|(_, farthest)| **farthest >= 0.0);
     let watched = watched.map(|(pair, farthest)| WatchedPair { capsules: *pair, farthest_m: *farthest }).collect();
-    model.with_pairs(watched, left_out)
+    model.with_pairs(watched, left_out.pairs)
 }
 
 /// Returns two names in their order.
@@ -57,18 +62,31 @@ fn stated_by_text(reason: &str) -> PairReason {
     PairReason::Stated(if reason.is_empty() { "stated".to_owned() } else { reason.to_owned() })
 }
 
-fn leave_out(left_out: &mut Vec<LeftOutPair>, links: [String; 2], reason: PairReason) {
-    let pair = LeftOutPair { links, reason };
-    if !left_out.contains(&pair) {
-        left_out.push(pair);
+/// Returns two links in their order.
+fn in_order([a, b]: [LinkId; 2]) -> [LinkId; 2] {
+    if a <= b { [a, b] } else { [b, a] }
+}
+
+/// Pairs that are left out, each once, in the order in which they came.
+#[derive(Default)]
+struct LeftOutPairs {
+    pairs: Vec<LeftOutPair>,
+    known: HashSet<LeftOutPair>,
+}
+
+impl LeftOutPairs {
+    fn add(&mut self, links: [Arc<str>; 2], reason: PairReason) {
+        let pair = LeftOutPair { links, reason };
+        if self.known.insert(pair.clone()) {
+            self.pairs.push(pair);
+        }
     }
 }
 
 /// Returns why a pair of links is left out whatever the shapes are.
-fn reason(robot: &RobotModel, stated: &[StatedPair], links: [LinkId; 2]) -> Option<PairReason> {
-    let is_pair = |stated: &&StatedPair| stated.links == links || stated.links == [links[1], links[0]];
-    if let Some(stated) = stated.iter().find(is_pair) {
-        return Some(PairReason::Stated(stated.reason.clone()));
+fn reason(robot: &RobotModel, stated: &HashMap<[LinkId; 2], &str>, links: [LinkId; 2]) -> Option<PairReason> {
+    if let Some(reason) = stated.get(&in_order(links)) {
+        return Some(PairReason::Stated((*reason).to_owned()));
     }
     let [first, second] = links.map(|link| robot.links()[link.index()].joint);
     let parent = |joint: Option<usize>| joint.map(|joint| robot.moving_joints()[joint].parent);
@@ -76,7 +94,7 @@ fn reason(robot: &RobotModel, stated: &[StatedPair], links: [LinkId; 2]) -> Opti
     are_neighbours.then_some(PairReason::Neighbours)
 }
 
-/// Returns the largest distance of each pair in a fixed sample of postures, m.
+/// Returns the largest distance of each pair in a fixed sample of postures, m; infinite if no posture of the sample is finite.
 fn farthest(robot: &RobotModel, model: &CollisionModel, pairs: &[[usize; 2]]) -> Vec<f64> {
     let mut farthest = vec![f64::NEG_INFINITY; pairs.len()];
     let Ok(mut configuration) = Configuration::new(robot, &vec![0.0; robot.joint_count()]) else { return farthest };
@@ -96,16 +114,16 @@ fn farthest(robot: &RobotModel, model: &CollisionModel, pairs: &[[usize; 2]]) ->
             *farthest = farthest.max(placed.core(i).to_segment(placed.core(j)).distance - radii);
         }
     }
-    farthest
+    farthest.into_iter().map(|distance| if distance.is_finite() { distance } else { f64::INFINITY }).collect()
 }
 
 /// Returns the range of a joint in the sample, rad or m.
 fn sampled_range(lower: f64, upper: f64) -> (f64, f64) {
     match (lower.is_finite(), upper.is_finite()) {
-        (true, true) => (lower, upper),
+        (true, true) if (upper - lower).is_finite() => (lower, upper),
         (true, false) => (lower, lower + 2.0 * UNLIMITED),
         (false, true) => (upper - 2.0 * UNLIMITED, upper),
-        (false, false) => (-UNLIMITED, UNLIMITED),
+        _ => (-UNLIMITED, UNLIMITED),
     }
 }
 

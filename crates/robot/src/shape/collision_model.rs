@@ -1,5 +1,7 @@
 //! The capsules of a robot and the pairs that must keep clear.
 
+use std::sync::Arc;
+
 use super::separation::Segment;
 use crate::LinkId;
 
@@ -24,7 +26,7 @@ pub struct StatedPair {
 }
 
 /// Why a pair is not watched.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum PairReason {
     /// At most one moving joint lies between the links.
     Neighbours,
@@ -44,10 +46,10 @@ pub struct WatchedPair {
 }
 
 /// A pair of links that is not watched.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LeftOutPair {
     /// Names of the links; of bodies that fixed joints connect with a link of the robot, those of the text.
-    pub links: [String; 2],
+    pub links: [Arc<str>; 2],
     /// Why.
     pub reason: PairReason,
 }

@@ -61,6 +61,8 @@ pub struct LinkBodies {
     /// Links of the text that have a form, but no body that moves with a link of the robot: they have `<visual>` and no `<collision>`,
     /// or they are no part of the robot, such as the fingers beyond the tip of an arm.
     pub uncovered: Vec<String>,
+    /// Links of the text with a body that cannot be read, and the link of the robot with which each moves.
+    pub unreadable: Vec<(String, LinkId)>,
 }
 
 impl RobotModel {
@@ -77,6 +79,15 @@ impl RobotModel {
     /// A link that is no part of the robot, but that fixed joints connect with one that is, moves with that one: the pedestal below the
     /// base, the hand beyond the tip.
     pub fn link_bodies(&self, text: &str) -> Result<LinkBodies, UrdfError> {
+        self.bodies_of(text, false)
+    }
+
+    /// Does the same as [`RobotModel::link_bodies`], but lists what it cannot read.
+    pub fn readable_link_bodies(&self, text: &str) -> Result<LinkBodies, UrdfError> {
+        self.bodies_of(text, true)
+    }
+
+    fn bodies_of(&self, text: &str, lists_unreadable: bool) -> Result<LinkBodies, UrdfError> {
         let document = parse(text)?;
         let element = robot(&document)?;
         let links = Links::read(element)?;
@@ -88,13 +99,14 @@ impl RobotModel {
             match carriers.get(name) {
                 Some((carrier, placement)) if !collisions.is_empty() => {
                     for collision in collisions {
-                        let (pose, form) = body(name, collision)?;
-                        found.bodies.push(LinkBody {
-                            name: name.to_owned(),
-                            link: *carrier,
-                            pose: placement * pose,
-                            form,
-                        });
+                        let name = name.to_owned();
+                        match body(&name, collision) {
+                            Ok((pose, form)) => {
+                                found.bodies.push(LinkBody { name, link: *carrier, pose: placement * pose, form });
+                            }
+                            Err(_) if lists_unreadable => found.unreadable.push((name, *carrier)),
+                            Err(error) => return Err(error),
+                        }
                     }
                 }
                 _ if !collisions.is_empty() || child(link, "visual").is_some() => found.uncovered.push(name.to_owned()),
@@ -143,6 +155,9 @@ fn body<'a>(link: &str, collision: Node<'a, 'a>) -> Result<(IsometryMatrix3<f64>
         None => Ok([default; 3]),
     };
     let frame = child(collision, "origin");
+    if frame.is_some_and(|frame| frame.has_attribute("quat_xyzw")) {
+        return Err(wrong("`quat_xyzw` of <origin> is not supported; state `rpy`".to_owned()));
+    }
     let pose = pose(three(frame, "xyz", 0.0)?, three(frame, "rpy", 0.0)?);
     let geometry = child(collision, "geometry").and_then(|node| node.children().find(Node::is_element));
     let geometry = geometry.ok_or_else(|| wrong("<collision> needs <geometry>".to_owned()))?;

@@ -82,7 +82,14 @@ pub fn read(text: &str) -> Result<Vec<Triangle>, ColladaError> {
     };
     let to_metres = Matrix4::new_scaling(metres);
     let scene = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
-    if let Some(scene) = scene.map(|instance| reader.target(instance, "url")).transpose()? {
+    let named = scene.map(|instance| reader.target(instance, "url")).transpose()?;
+    let mut scenes = root.descendants().filter(|node| node.has_tag_name_local("visual_scene"));
+    // Without a name, the only scene counts.
+    let only = scenes.next();
+    if named.is_none() && scenes.next().is_some() {
+        return Err(ColladaError::Unsupported("visual_scene".to_owned()));
+    }
+    if let Some(scene) = named.or(only) {
         children(scene, "node").try_for_each(|node| reader.node(node, &to_metres, 0))?;
     } else {
         let mut geometries = root.descendants().filter(|node| node.has_tag_name_local("geometry"));

@@ -118,7 +118,10 @@ fn read_stl(path: &Path) -> Result<Vec<Triangle>, MeshError> {
 }
 
 fn read_obj(path: &Path) -> std::io::Result<Vec<Triangle>> {
-    let scene = Loader::default().load_obj(path)?;
+    let bytes = std::fs::read(path)?;
+    // No other file is opened: a material says nothing about the form.
+    let no_material = |_: &Path| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into());
+    let scene = Loader::default().load_obj_from_slice_with_reader(&bytes, path, no_material)?;
     let mut triangles = Vec::new();
     for mesh in &scene.meshes {
         for face in &mesh.faces {
@@ -134,4 +137,22 @@ fn read_obj(path: &Path) -> std::io::Result<Vec<Triangle>> {
 fn read_collada(path: &Path) -> Result<Vec<Triangle>, MeshError> {
     let text = std::fs::read_to_string(path).map_err(|source| MeshError::Read { path: path.to_owned(), source })?;
     collada::read(&text).map_err(|source| MeshError::Collada { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A material says nothing about the form, whatever its file has.
+    #[test]
+    fn an_obj_file_is_read_without_its_materials() {
+        let directory = std::env::temp_dir().join(format!("revprio-obj-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).unwrap();
+        let path = directory.join("part.obj");
+        std::fs::write(directory.join("odd.mtl"), "newmtl glass\nd -halo 0.66\n").unwrap();
+        std::fs::write(&path, "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n").unwrap();
+        let triangles = read_obj(&path).unwrap();
+        assert_eq!(triangles, [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from)]);
+        std::fs::remove_dir_all(&directory).unwrap();
+    }
 }

@@ -76,6 +76,17 @@ fn a_file_without_a_scene_gives_all_geometries() {
     assert_eq!(read("<COLLADA/>").unwrap().len(), 0);
 }
 
+/// Which scene counts, `<scene>` says; the only one counts without it.
+#[test]
+fn a_scene_that_is_not_named_counts_if_it_is_the_only_one() {
+    let moved = r##"<node><translate>0 0 50</translate><instance_geometry url="#square"/></node>"##;
+    let text = file(POLYGON, moved).replace(r##"<scene><instance_visual_scene url="#all"/></scene>"##, "");
+    assert_eq!(corners(&text), corners(&file(POLYGON, moved)));
+    assert!((corners(&text)[0].z - 0.5).abs() < 1e-12);
+    let two = text.replace("</library_visual_scenes>", r#"<visual_scene id="more"/></library_visual_scenes>"#);
+    assert_eq!(read(&two).unwrap_err(), ColladaError::Unsupported("visual_scene".to_owned()));
+}
+
 #[test]
 fn what_could_stand_elsewhere_is_refused() {
     let refused = |primitive: &str, scene: &str| read(&file(primitive, scene)).unwrap_err();
