@@ -31,6 +31,32 @@ fn steps_are_answered_while_a_margin_is_computed() {
     });
 }
 
+/// Large states are decoded on another thread, and not on the one that checks new controllers.
+#[test]
+fn large_states_do_not_wait_for_new_controllers() {
+    let service = Service::start();
+    let session = service.open(&example("controller.json"));
+    let state = |step: u32| {
+        let mut state = example("state.json");
+        (state["sequence"], state["time_s"]) = (json!(step), json!(0.001 * f64::from(step)));
+        state.to_string() + &" ".repeat(20_000)
+    };
+    let mut slow = example("controller.json");
+    let stiff = json!({"stiffness": 1e6, "inertia": 1});
+    slow["environment"] = json!({"x": stiff, "y": stiff, "z": stiff, "lag_s": 0.05, "delay_periods": 8});
+    std::thread::scope(|scope| {
+        let created: Vec<_> =
+            (0..24).map(|_| scope.spawn(|| service.post("/v1/controllers", &slow.to_string()).accepted())).collect();
+        let mut steps = 0;
+        while !created.iter().all(std::thread::ScopedJoinHandle::is_finished) {
+            let answer = service.post(&format!("{session}/step"), &state(steps));
+            assert!(answer.accepted()["joint_velocity"].is_array());
+            steps += 1;
+        }
+        assert!(steps > 24, "{steps} steps while 24 controllers were checked");
+    });
+}
+
 /// Returns 512 rows for 128 joints with all digits: equations for some joints, bounds for all.
 fn largest_problem() -> Value {
     let mut bits = 1_u64;

@@ -360,6 +360,20 @@ fn a_plane_that_no_joint_moves_its_point_towards_has_a_warning() {
     assert_eq!(idle(warnings(&service, &hand)), 0);
 }
 
+/// The tool of a planar arm never rises.
+#[test]
+fn a_contact_along_an_axis_that_no_joint_moves_has_a_warning() {
+    let service = Service::start();
+    let pressing = |axis: &str| {
+        let law = json!({"kind": "contact", "target_force": {"kind": "constant", "value": 5}});
+        let task = json!({"name": "press", "axes": [axis], "law": law});
+        let controller = json!({"robot": "planar_3r", "period_s": 0.001, "tasks": [task]});
+        let warnings = warnings(&service, &controller);
+        warnings.into_iter().filter(|text| text.starts_with(&format!("task `press`, axis {axis}: no joint"))).count()
+    };
+    assert_eq!(["x", "y", "z", "rx"].map(pressing), [0, 0, 1, 1]);
+}
+
 #[test]
 fn an_answer_that_is_not_valid_for_a_period_has_advice_that_is_accepted() {
     let service = Service::start();

@@ -106,8 +106,10 @@ pub async fn step_controller(
     State(app): Shared,
     Segment(id): Segment,
     owner: Owner,
-    Body(state): Body<wire::State>,
+    body: RawBody,
 ) -> Result<Answer<SharedAnswer>, ApiError> {
+    // Arms wait for steps.
+    let state = if body.is_large() { app.large_steps.run(move |_| body.read()).await? } else { body.read() }?;
     app.sessions.step(&id, state, &owner, Source::Request, &app.large_steps).await.map(Answer)
 }
 
