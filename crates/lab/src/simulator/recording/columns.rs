@@ -2,7 +2,7 @@
 
 use super::cell::Value;
 use super::error::ReadError;
-use super::quantity::{Per, Presence, QUANTITIES, Quantity};
+use super::quantity::{Kind, Per, Presence, QUANTITIES, Quantity};
 use super::{Recording, Sample, Timing};
 
 /// One column of a table.
@@ -115,14 +115,20 @@ impl Column {
         (self.quantity.get)(&recording.samples[row], &timing, self.index).unwrap_or(Value::Missing)
     }
 
-    /// Sets the value of a period; `row` from 0. Returns an error for a value of the wrong kind and for `None`.
-    pub fn set(
-        &self,
-        row: usize,
-        (sample, timing): (&mut Sample, &mut Timing),
-        value: Option<Value>,
-    ) -> Result<(), ReadError> {
-        let is_valid = value.is_some_and(|value| (self.quantity.set)(sample, timing, self.index, value));
-        if is_valid { Ok(()) } else { Err(ReadError::Value { row: row + 1, column: self.name.clone() }) }
+    /// Sets the value of a period; returns false if it has another kind.
+    pub fn set(&self, (sample, timing): (&mut Sample, &mut Timing), value: Value) -> bool {
+        (self.quantity.set)(sample, timing, self.index, value)
+    }
+
+    /// Returns the error of a value that is not of this column; `row` from 0.
+    pub fn refused(&self, row: usize, text: &str) -> ReadError {
+        let expected = match self.quantity.kind {
+            Kind::Number => "a number",
+            Kind::OptionalNumber => "a number or nothing",
+            Kind::Count => "a number without sign and fraction",
+            Kind::Flag => "true or false",
+            Kind::Word => "a word that this column can have",
+        };
+        ReadError::Value { row: row + 1, column: self.name.clone(), expected, text: text.to_owned() }
     }
 }

@@ -56,7 +56,8 @@ pub fn cell_value(text: &str, kind: Kind) -> Option<Value> {
         Kind::OptionalNumber if text.is_empty() => Value::Missing,
         Kind::Number | Kind::OptionalNumber => Value::Number(text.parse().ok()?),
         Kind::Count => Value::Count(text.parse().ok()?),
-        Kind::Flag => Value::Flag(text.parse().ok()?),
+        // Python writes `True`, spreadsheets write `TRUE`.
+        Kind::Flag => Value::Flag(text.to_ascii_lowercase().parse().ok()?),
         Kind::Word => Value::Word(text.to_owned()),
     })
 }
@@ -74,8 +75,11 @@ pub fn read(description: Recording, file: impl Read) -> Result<Recording, ReadEr
         let row = row?;
         let (mut sample, mut timing) = layout.empty_sample();
         for (column, &index) in columns.iter().zip(&indices) {
-            let value = row.get(index).and_then(|text| cell_value(text, column.quantity.kind));
-            column.set(recording.samples.len(), (&mut sample, &mut timing), value)?;
+            let text = row.get(index).unwrap_or_default();
+            let value = cell_value(text, column.quantity.kind);
+            if !value.is_some_and(|value| column.set((&mut sample, &mut timing), value)) {
+                return Err(column.refused(recording.samples.len(), text));
+            }
         }
         recording.push(sample, timing, layout.timed);
     }

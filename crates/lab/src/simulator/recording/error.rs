@@ -107,11 +107,15 @@ pub enum ReadError {
         column: String,
     },
     /// A value has the wrong kind.
-    #[error("row {row}: column `{column}` has a value that is not valid")]
+    #[error("row {row}: column `{column}` has `{text}`, not {expected}")]
     Value {
         /// Row, from 1.
         row: usize,
         /// Name of the column.
         column: String,
+        /// What the column has.
+        expected: &'static str,
+        /// What the file has.
+        text: String,
     },
 }

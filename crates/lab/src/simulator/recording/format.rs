@@ -95,10 +95,24 @@ impl Format {
     /// Writes a recording to a file, and the description of the run to another file if the format needs it.
     pub fn write_file(self, recording: &Recording, timed: bool, path: &Path) -> Result<(), WriteError> {
         if self.has_sidecar() {
-            std::fs::write(sidecar(path), description::to_sidecar_json(recording, timed)?)?;
+            let text = description::to_sidecar_json(recording, timed)?;
+            replace(&sidecar(path), |mut file| Ok(file.write_all(text.as_bytes())?))?;
         }
-        self.write_all(recording, timed, BufWriter::new(File::create(path)?))
+        replace(path, |file| self.write_all(recording, timed, BufWriter::new(file)))
     }
+}
+
+/// Writes a file under another name and renames it when it is complete. An error leaves the file of before, or none.
+fn replace(path: &Path, write: impl FnOnce(File) -> Result<(), WriteError>) -> Result<(), WriteError> {
+    // Devices and pipes keep their name.
+    if path.metadata().is_ok_and(|found| !found.is_file()) {
+        return write(File::create(path)?);
+    }
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut unfinished = path.clone().into_os_string();
+    unfinished.push(".tmp");
+    let written = write(File::create(&unfinished)?).and_then(|()| Ok(std::fs::rename(&unfinished, path)?));
+    written.inspect_err(|_| drop(std::fs::remove_file(&unfinished)))
 }
 
 /// Returns the path of the description of the run of a table.
@@ -153,6 +167,29 @@ mod tests {
             let error = format.write_all(&recording, false, FullDisk).unwrap_err().to_string();
             assert!(error.contains(&io::Error::from(io::ErrorKind::StorageFull).to_string()), "{format}: {error}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_cannot_be_completed_leaves_the_one_of_before() {
+        let directory = std::env::temp_dir().join(format!("revprio-replaced-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).unwrap();
+        let (path, link) = (directory.join("run.csv"), directory.join("link.csv"));
+        std::fs::write(&path, "before").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        let half = |mut file: File| {
+            file.write_all(b"half")?;
+            Err(WriteError::from(io::Error::from(io::ErrorKind::StorageFull)))
+        };
+        replace(&path, half).unwrap_err();
+        replace(&directory.join("new.csv"), half).unwrap_err();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "before");
+        assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 2);
+        replace(&link, |mut file| Ok(file.write_all(b"after")?)).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "after");
+        assert!(link.is_symlink());
+        replace(Path::new("/dev/null"), |mut file| Ok(file.write_all(b"gone")?)).unwrap();
+        std::fs::remove_dir_all(&directory).unwrap();
     }
 
     #[test]

@@ -8,6 +8,7 @@ use parquet::file::reader::ChunkReader;
 use super::Recording;
 use super::cell::Value;
 use super::columns::{Column, TableLayout};
+use super::csv_table::cell_text;
 use super::description;
 use super::error::{ReadError, WriteError};
 use super::parquet_file::{ParquetReader, ParquetWriter};
@@ -52,13 +53,14 @@ pub fn read(file: impl ChunkReader + 'static) -> Result<Recording, ReadError> {
         index.ok_or_else(|| ReadError::Column { column: column.name.clone() })
     };
     let indices: Vec<usize> = columns.iter().map(index).collect::<Result<_, _>>()?;
-    file.read(|mut group| {
+    file.read(|group| {
         for row in 0..group.first().map_or(0, Vec::len) {
             let (mut sample, mut timing) = layout.empty_sample();
             for (column, &index) in columns.iter().zip(&indices) {
-                let value =
-                    group[index].get_mut(row).map_or(Value::Missing, |value| std::mem::replace(value, Value::Missing));
-                column.set(recording.samples.len(), (&mut sample, &mut timing), Some(value))?;
+                let value = group[index].get(row).unwrap_or(&Value::Missing);
+                if !column.set((&mut sample, &mut timing), value.clone()) {
+                    return Err(column.refused(recording.samples.len(), &cell_text(value.clone())));
+                }
             }
             recording.push(sample, timing, layout.timed);
         }
