@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 
 #include "revprio.hpp"
 
@@ -79,12 +80,18 @@ int main(int argc, char** argv) try {
     // The call of the service blocks, so `Loop` has a separate thread. The arm gets a command in every period.
     revprio::Loop loop(session, watchdog);
     auto tick = Clock::now();
-    for (int i = 0; i < periods && !is_interrupted; ++i, std::this_thread::sleep_until(tick += period)) {
-        loop.ask(arm.measure());
-        loop.wait_until(tick + period);
-        arm.command(loop.command(), period_s);
+    std::exception_ptr failure;
+    try {
+        for (int i = 0; i < periods && !is_interrupted; ++i, std::this_thread::sleep_until(tick += period)) {
+            loop.ask(arm.measure());
+            loop.wait_until(tick + period);
+            arm.command(loop.command(), period_s);
+        }
+    } catch (...) {
+        failure = std::current_exception(); // a refused state, or a session that has ended: the arm still moves
     }
     for (loop.stop(); !loop.is_at_rest(); std::this_thread::sleep_for(period)) arm.command(loop.command(), period_s);
+    if (failure) std::rethrow_exception(failure);
     const revprio::LoopReport report = loop.report();
     std::printf("%.2f N; %.2f ms per period, requested %.2f ms\n", arm.force_n, 1e3 * report.achieved_period_s,
                 1e3 * period_s);

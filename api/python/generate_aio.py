@@ -45,7 +45,7 @@ WAITING = {"asyncio.sleep", "receive_async", "self._exit.aclose", "self._exit.en
            "self._http.send", "self._socket.send"}  # fmt: skip
 """Functions of other packages that are awaited."""
 
-IMMEDIATE = {"__init__", "connect", "session", "stateless", "stream"}
+IMMEDIATE = {"__init__", "_connections", "connect", "session", "stateless", "stream"}
 """Methods that return at once: what they return waits."""
 
 BASES = {"AsyncController": "ABC"}

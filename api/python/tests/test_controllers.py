@@ -232,6 +232,14 @@ def test_a_tared_session_keeps_its_bias_when_tasks_change(client: Client, config
         answer = session.step(Q, wrench=[3, 0, -1, 0, 0.1, 0])
         assert answer.wrench is not None
         assert answer.wrench.force == pytest.approx([0, 0, 0], abs=1e-12)
+        with session.stream() as stream:
+            session.tare(readings=[reading] * 20)
+            session.change(valid_for_ms=150)
+            stream.change(tasks=config.tasks)
+            answer = stream.step(Q, wrench=[3, 0, -1, 0, 0.1, 0])
+            assert answer.wrench is not None
+            assert answer.wrench.force == pytest.approx([0, 0, 0], abs=1e-12)
+            assert (answer.valid_for_ms, stream.config) == (150, session.config)
         moving = RestReading(joint_position=Q + 0.1, wrench=reading.wrench)
         with pytest.raises(InvalidError, match="tare with an arm that rests"):
             session.tare(readings=[reading] * 20 + [moving])

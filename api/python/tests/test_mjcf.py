@@ -232,6 +232,8 @@ def test_missing_speeds_and_wrong_files_are_refused_with_the_remedy(tmp_path: Pa
     assert [joint.velocity_limit for joint in robot.joints] == [1.0, 2.0]
     with pytest.raises(ValueError, match="no joint elbow; its joints are float, a, b"):
         revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING), velocity_limits={"elbow": 1.0})
+    with pytest.raises(TypeError, match=r"numbers by the names of joints, not \[1, 2\]"):
+        revprio.read_mjcf(mujoco.MjModel.from_xml_string(FLYING), velocity_limits=[1, 2])  # type: ignore[arg-type]
     (tmp_path / "broken.xml").write_text("<mujoco><worldbody>", encoding="utf-8")
     with pytest.raises(ValueError, match=r"broken\.xml: XML"):
         revprio.read_mjcf(tmp_path / "broken.xml")

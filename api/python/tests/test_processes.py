@@ -92,6 +92,13 @@ def test_after_a_fork_both_processes_have_a_controller() -> None:
     assert np.array_equal(arm.step(Q, wrench=np.zeros(6)).joint_velocity, expected)
 
 
+def test_after_a_fork_each_process_has_connections_of_its_own(client: Client) -> None:
+    assert client.is_ready()
+    before = client._http
+    assert child(lambda: 0 if client.is_ready() and client._http is not before else 1) == 0
+    assert client._http is before
+
+
 def test_a_fork_during_a_step_of_another_thread_does_not_block_the_child() -> None:
     arm = revprio.Controller(robot="sawyer_dh", period_s=0.001, tasks=PUSH)
     ends = threading.Event()

@@ -30,8 +30,9 @@ def written(directory: Path) -> Path:
     return robot
 
 
-def test_a_xacro_file_is_expanded_with_its_arguments_and_packages(tmp_path: Path) -> None:
-    urdf = revprio.read_xacro(written(tmp_path), mappings={"speed": "0.5"}, packages={"rails": tmp_path})
+@pytest.mark.parametrize("speed", ["0.5", 0.5])
+def test_a_xacro_file_is_expanded_with_its_arguments_and_packages(tmp_path: Path, speed: str | float) -> None:
+    urdf = revprio.read_xacro(written(tmp_path), mappings={"speed": speed}, packages={"rails": tmp_path})
     robot = revprio.register_robot(name="lift", urdf=urdf)
     try:
         assert robot.joints[0].velocity_limit == pytest.approx(0.5)

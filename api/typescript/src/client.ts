@@ -62,7 +62,7 @@ export class Client extends Connection {
 
   /** Opens a controller whose memory the service keeps. Call `close` on it at the end. */
   async session(controller: Controller, options?: CallOptions): Promise<Session> {
-    const keyed = { ...options, headers: { "idempotency-key": randomWord() } };
+    const keyed = { ...options, headers: { "idempotency-key": randomWord(), ...options?.headers } };
     return new Session(this, controller, await this.call<CreatedController>("POST", "/v1/controllers", controller, keyed));
   }
 

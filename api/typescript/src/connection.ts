@@ -47,7 +47,7 @@ const CREATING_PATHS = new Set(["/v1/robots", "/v1/simulations"]);
 export class Connection {
   readonly url: string;
   readonly stepTimeoutMs: number;
-  readonly #timeoutMs: number;
+  readonly timeoutMs: number;
   readonly #retries: number;
   readonly #owner: string;
   readonly #headers: Record<string, string>;
@@ -58,7 +58,7 @@ export class Connection {
   constructor(url = "http://127.0.0.1:8080", options: ClientOptions = {}) {
     this.url = url.replace(/\/+$/, "");
     this.stepTimeoutMs = options.stepTimeoutMs ?? 1000;
-    this.#timeoutMs = options.timeoutMs ?? 10_000;
+    this.timeoutMs = options.timeoutMs ?? 10_000;
     this.#retries = options.retries ?? 2;
     this.#owner = options.owner ?? randomWord();
     this.#headers = { "revprio-owner": this.#owner };
@@ -70,7 +70,7 @@ export class Connection {
 
   /** Sends a call, retries it where that is safe, and returns its answer. */
   async call<A>(method: Method, path: string, body?: unknown, options: CallOptions = {}): Promise<A> {
-    const timeoutMs = options.timeoutMs ?? this.#timeoutMs;
+    const timeoutMs = options.timeoutMs ?? this.timeoutMs;
     const endMs = performance.now() + timeoutMs;
     let pauseMs = FIRST_PAUSE_MS;
     for (let left = this.#retries; ; left--, pauseMs *= 2) {

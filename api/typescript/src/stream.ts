@@ -31,14 +31,25 @@ export class Stream extends Stepping {
   }
 
   /** Opens the connection. */
-  static async open(connection: Connection, session: Stepping, path: string, { signal }: CallOptions): Promise<Stream> {
+  static async open(connection: Connection, session: Stepping, path: string, options: CallOptions): Promise<Stream> {
+    const { signal, timeoutMs = connection.timeoutMs } = options;
     signal?.throwIfAborted();
     const stream = new Stream(connection, session, connection.webSocket(path));
-    await new Promise<void>((resolve, reject) => {
+    const isOpen = new Promise<void>((resolve, reject) => {
       stream.#pending.push({ resolve: () => resolve(), reject });
       stream.socket.addEventListener("open", () => (stream.#pending.shift(), resolve()));
-      signal?.addEventListener("abort", () => (stream.close(), reject(signal.reason)), { once: true });
     });
+    const giveUp = (cause: unknown) => (stream.#pending.shift()?.reject(cause), stream.close());
+    const stop = () => giveUp(signal?.reason);
+    const late = () => giveUp(new LateAnswerError(connection.url, `no connection within ${timeoutMs} ms`));
+    const timer = setTimeout(late, timeoutMs);
+    signal?.addEventListener("abort", stop, { once: true });
+    try {
+      await isOpen;
+    } finally {
+      clearTimeout(timer);
+      signal?.removeEventListener("abort", stop);
+    }
     return stream;
   }
 

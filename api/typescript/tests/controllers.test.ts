@@ -142,6 +142,22 @@ suite("controllers", () => {
     stream.close();
   });
 
+  test("the time limit and the signal of a stream are those of its opening", async (t) => {
+    const proxy = await startFaultyProxy(t, (await serve(t)).url);
+    const session = await testClient(proxy.url).session(CONTROLLER);
+    const opening = new AbortController();
+    const stream = await session.stream({ signal: opening.signal, timeoutMs: 2000 });
+    opening.abort();
+    assert.equal((await stream.step(AT_REST)).sequence, 0);
+    stream.close();
+    proxy.stall();
+    await assert.rejects(session.stream({ timeoutMs: 50 }), LateAnswerError);
+    const slow = new AbortController();
+    setTimeout(() => slow.abort(new Error("aborted by the test")), 50);
+    await assert.rejects(session.stream({ signal: slow.signal }), /aborted by the test/);
+    proxy.resume();
+  });
+
   test("a stream needs a WebSocket and a session", async (t) => {
     const { url } = await serve(t);
     const session = await testClient(url).session(CONTROLLER);

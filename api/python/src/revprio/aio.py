@@ -108,17 +108,21 @@ class AsyncClient:
 
     async def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
         """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
-        if os.getpid() != self._process:
-            self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=self._tls or True)
-            self._process = os.getpid()
         budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )
         while True:
             try:
-                return call.route.read(await self._send(call.request(self._http, budget.remaining_s())))
+                return call.route.read(await self._send(call.request(self._connections(), budget.remaining_s())))
             except RevprioError as failure:
                 await asyncio.sleep(budget.pause_s(failure))
+
+    def _connections(self) -> httpx.AsyncClient:
+        """Returns connections of this process: after a fork, parent and child would read each other's answers."""
+        if os.getpid() != self._process:
+            self._http = httpx.AsyncClient(base_url=self.url, headers=self._headers, verify=self._tls or True)
+            self._process = os.getpid()
+        return self._http
 
     async def _send(self, request: httpx.Request) -> httpx.Response:
         try:
@@ -167,7 +171,7 @@ class AsyncClient:
     async def is_ready(self) -> bool:
         """Returns whether the service can be reached and accepts requests."""
         try:
-            return (await self._send(self._http.build_request("GET", "/readyz"))).is_success
+            return (await self._send(self._connections().build_request("GET", "/readyz"))).is_success
         except RevprioError:
             return False
 
@@ -458,8 +462,10 @@ class AsyncStream(AsyncController):
         except ConnectionClosed as error:
             raise NoAnswerError(self._client.url, error) from error
 
-    async def _replace(self, config: ControllerConfig) -> None:
-        await self._session._replace(config)
+    async def change(self, **fields: Any) -> None:
+        """Changes fields of the controller of the session, as `Session.change`, from what it has now."""
+        await self._session.change(**fields)
+        self.config = self._session.config
 
     async def close(self) -> None:
         """Closes the connection. The session stays open."""

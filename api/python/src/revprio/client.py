@@ -70,17 +70,21 @@ class Client(Calls):
 
     def call(self, call: routes.Call[A], timeout_s: float | None = None) -> A:
         """Sends a call of `revprio.routes`, retries it where that is safe, and returns its answer."""
-        if os.getpid() != self._process:  # After a fork, parent and child would read each other's answers.
-            self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=self._tls or True)
-            self._process = os.getpid()
         budget = RetryBudget(
             repeatable=call.route.repeatable, retries=self._retries, timeout_s=timeout_s or self._timeout_s
         )
         while True:
             try:
-                return call.route.read(self._send(call.request(self._http, budget.remaining_s())))
+                return call.route.read(self._send(call.request(self._connections(), budget.remaining_s())))
             except RevprioError as failure:
                 time.sleep(budget.pause_s(failure))
+
+    def _connections(self) -> httpx.Client:
+        """Returns connections of this process: after a fork, parent and child would read each other's answers."""
+        if os.getpid() != self._process:
+            self._http = httpx.Client(base_url=self.url, headers=self._headers, verify=self._tls or True)
+            self._process = os.getpid()
+        return self._http
 
     def _send(self, request: httpx.Request) -> httpx.Response:
         try:
@@ -129,7 +133,7 @@ class Client(Calls):
     def is_ready(self) -> bool:
         """Returns whether the service can be reached and accepts requests."""
         try:
-            return self._send(self._http.build_request("GET", "/readyz")).is_success
+            return self._send(self._connections().build_request("GET", "/readyz")).is_success
         except RevprioError:
             return False
 

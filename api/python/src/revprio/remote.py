@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
@@ -238,8 +238,10 @@ class Stream(RemoteController):
         except ConnectionClosed as error:
             raise NoAnswerError(self._client.url, error) from error
 
-    def _replace(self, config: ControllerConfig) -> None:
-        self._session._replace(config)
+    def change(self, **fields: Any) -> None:  # noqa: ANN401 - the types are those of the fields
+        """Changes fields of the controller of the session, as `Session.change`, from what it has now."""
+        self._session.change(**fields)
+        self.config = self._session.config
 
     def close(self) -> None:
         """Closes the connection. The session stays open."""

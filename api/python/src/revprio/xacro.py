@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 def read_xacro(
     path: str | os.PathLike[str],
-    mappings: Mapping[str, str] | None = None,
+    mappings: Mapping[str, str | float] | None = None,
     packages: Mapping[str, str | os.PathLike[str]] | None = None,
 ) -> str:
     """Returns the URDF text of a xacro file, for `register_robot(urdf=…)`. Not for several threads at once.
@@ -33,6 +33,8 @@ def read_xacro(
 
     # xacro reads relative paths from the directory of the file that names them.
     directories = {name: os.path.abspath(directory) for name, directory in (packages or {}).items()}
+    # xacro evaluates texts only.
+    values = {name: str(value) for name, value in (mappings or {}).items()}
     look_up = substitution_args._eval_find
     unknown: list[str] = []
 
@@ -48,7 +50,7 @@ def read_xacro(
     # The package has no public way to say where other packages are.
     substitution_args._eval_find = find
     try:
-        return str(xacro.process_file(os.fspath(path), mappings=dict(mappings or {})).toxml())
+        return str(xacro.process_file(os.fspath(path), mappings=values).toxml())
     except Exception as error:  # The package raises errors of several unrelated types.
         remedy = [f"state the directory of the ROS package `{package}` in `packages`" for package in unknown]
         message = f"{os.fspath(path)}: {'; '.join(remedy) or error}"
