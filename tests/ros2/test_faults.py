@@ -167,3 +167,26 @@ def test_a_clock_that_jumps_back_and_stands_still(lab, arm, scenario):
     arm.wait_for_motion()
     timer.cancel()
     assert node.stop()[0] == 0
+    assert not np.any(arm.commands[-1]), "a clock that stands still cannot tell the time of a ramp"
+
+
+def test_with_simulated_time_the_node_ends_with_a_ramp(lab, arm, scenario):
+    scenario["contacts"] = []
+    lab.node("simulator", scenario=lab.file("free.json", json.dumps(scenario)), use_sim_time="true")
+    path = lab.file("push.json", json.dumps(scenario["controller"]))
+    node = lab.node("controller", controller=path, use_sim_time="true")
+    clock = arm.node.create_publisher(Clock, "/clock", 10)
+
+    def publish():
+        now_s = time.monotonic()
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = int(now_s), int(1e9 * (now_s % 1))
+        clock.publish(message)
+
+    arm.node.create_timer(0.005, publish)
+    arm.wait_for_motion()
+    until(lambda: arm.says("controls the arm"), "the node controls the arm")
+    begin_s = time.monotonic()
+    assert node.stop()[0] == 0
+    assert time.monotonic() - begin_s < 4.0, "it does not wait for a clock that stands still"
+    assert not np.any(arm.commands[-1])

@@ -70,6 +70,7 @@ def test_wrong_command_joints_are_refused(lab, scenario, push):
     process = lab.node("controller", controller=push, command_joints="[right_j0, elbow]")
     assert process.wait() == 1
     assert "parameter `command_joints`: give the joints right_j0, right_j1" in process.output()
+    assert "Traceback" not in process.output()
 
 
 def test_the_launch_file_sets_declared_parameters_of_existing_nodes():

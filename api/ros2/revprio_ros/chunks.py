@@ -13,10 +13,13 @@ from trajectory_msgs.msg import JointTrajectory
 from revprio_ros import conversion
 from revprio_ros.conversion import NotUsable, seconds
 from revprio_ros.loop_clock import LoopClock
-from revprio_ros.parameters import Settings, topic
+from revprio_ros.parameters import ParameterError, Settings, topic
 
 MAX_AGE_S = 1.0
 """Chunks with an older stamp are not used, s."""
+
+Chunk = tuple[float, list[tuple[float, dict[str, Any]]]]
+"""Time of the stamp on the loop's clock, s; times from it, s, and values of the actions."""
 
 
 class Chunks:
@@ -27,22 +30,37 @@ class Chunks:
     """
 
     def __init__(self, node: Node, clock: LoopClock, settings: Settings) -> None:
-        """Subscribes to the topics."""
+        """Subscribes to the topics. Raises a `ParameterError` if two tasks would have the same topic."""
         self._clock, self._settings = clock, settings
-        self._arrived: dict[str, tuple[float, list[tuple[float, dict[str, Any]]]]] = {}
+        self._arrived: dict[str, Chunk] = {}
+        self._sent: dict[str, Chunk] = {}
+        self._answered = 0
         self.refusals: dict[str, str] = {}
         """Why the newest chunk of a task was not used, by task."""
+        topics: set[str] = set()
         for task in settings.config.tasks:
             kind = getattr(task.law, "kind", None)
+            name = f"chunks/{topic(task.name)}"
             if kind == "posture" and getattr(task.law, "joints", None):
-                node.create_subscription(JointTrajectory, f"chunks/{topic(task.name)}", self._receiver(task), 10)
+                message = JointTrajectory
             elif kind in ("pose", "impedance", "hybrid") and isinstance(task.frame or "base", str):
-                node.create_subscription(PoseArray, f"chunks/{topic(task.name)}", self._receiver(task), 10)
+                message = PoseArray
+            else:
+                continue
+            if name in topics:
+                raise ParameterError(f"parameter `controller`: two tasks have the topic {name}; rename one of them")
+            topics.add(name)
+            node.create_subscription(message, name, self._receiver(task), 10)
 
-    def take(self, start_s: float) -> dict[str, revprio.StreamedTarget]:
-        """Returns the chunks that arrived, each once; their times count from `start_s` on the loop's clock."""
-        arrived, self._arrived = self._arrived, {}
-        return {name: target(at_s - start_s, actions) for name, (at_s, actions) in arrived.items()}
+    def current(self, start_s: float, answered: int) -> dict[str, revprio.StreamedTarget]:
+        """Returns the chunks for the next state: those that no answered state has brought.
+
+        Their times count from `start_s` on the loop's clock. `answered`: number of answers so far.
+        """
+        if answered > self._answered:
+            self._arrived = {name: chunk for name, chunk in self._arrived.items() if self._sent.get(name) is not chunk}
+        self._sent, self._answered = dict(self._arrived), answered
+        return {name: target(at_s - start_s, actions) for name, (at_s, actions) in self._arrived.items()}
 
     def _receiver(self, task: revprio.ControllerTask) -> Callable[[Any], None]:
         def receive(message: Any) -> None:

@@ -65,6 +65,11 @@ class Control:
         self.sessions = self.answered = 0
         """Number of sessions and of answers so far."""
 
+    @property
+    def is_free(self) -> bool:
+        """Whether the next state is sent: no answer is awaited."""
+        return self._pending is None
+
     def update(self, now: Callable[[], float], check_fresh: Callable[[], None], read: Read) -> None:
         """Runs one period. Raises the refusal of a controller that has never run."""
         if now() < self._last_s:
@@ -77,7 +82,7 @@ class Control:
         if self.phase is Phase.RUNNING:
             self._run(now, read)
         if self.phase is Phase.BRAKING and self._is_at_rest(now()):
-            self._rest()
+            self.rest()
 
     def state(self, now_s: float) -> Phase:
         """Returns what the loop does for its user: it waits for the first answer, and brakes without a new one."""
@@ -104,10 +109,10 @@ class Control:
         if self.state(self._last_s) is Phase.RUNNING:
             self._brake("the clock went back", now_s)
         else:
-            self._rest()
+            self.rest()
 
-    def _rest(self) -> None:
-        """Ends the session of an arm at rest. The next command of a session could continue the old motion."""
+    def rest(self) -> None:
+        """Takes the arm for one at rest, and ends its session, whose next command could continue the old motion."""
         self.phase, self._has_session = Phase.HALTED if self._is_halted else Phase.WAITING, False
 
     def _wait(self, now_s: float, check_fresh: Callable[[], None]) -> None:
@@ -138,7 +143,7 @@ class Control:
     def _end_after_silence(self, now_s: float) -> None:
         """Ends a session that the watchdog has brought to rest."""
         if self.phase is Phase.RUNNING and self._has_answer and self._is_at_rest(now_s):
-            self._rest()
+            self.rest()
 
     def _send(self, arguments: dict[str, Any], measured_s: float) -> None:
         if self._pending is None:

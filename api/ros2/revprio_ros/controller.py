@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import revprio
@@ -15,7 +16,7 @@ from revprio_ros.control import Control, Phase
 from revprio_ros.inputs import Inputs
 from revprio_ros.loop_clock import LoopClock
 from revprio_ros.obstacles import Obstacles
-from revprio_ros.outputs import Outputs
+from revprio_ros.outputs import LEAD_AGE_S, Outputs
 from revprio_ros.process import ClosableNode, run_node
 from revprio_ros.report import Periods, Report
 from revprio_ros.sign_check import SignMonitor
@@ -26,7 +27,9 @@ REPORT_S = 0.2
 REST_COMMANDS = 3
 """Number of commands of rest before the node ends."""
 MAX_STOP_S = 5.0
-"""Time after which the node ends with simulated time, because `/clock` may stand still, s."""
+"""Time after which the node sends zero at once with simulated time, which may be slow, s."""
+MAX_STANDSTILL_S = 0.5
+"""The same after the last tick of `/clock`, s: nothing tells the time of a ramp then."""
 
 
 class Controller(ClosableNode):
@@ -48,9 +51,9 @@ class Controller(ClosableNode):
         check = (settings.sign_check_force_n, settings.sign_check_periods)
         self.sign = SignMonitor(self.connection.client, config, *check)
         self.control = Control(self.connection, self.period_s)
-        self.position: dict[str, float] = {}
+        self.may_publish = False
         self.periods, self.report, self.ticks = Periods(), Report(self), 0
-        self.create_timer(self.period_s, self.tick, clock=self.clock.clock)
+        self.timer = self.create_timer(self.period_s, self.tick, clock=self.clock.clock)
         place = settings.url or "this process"
         self.get_logger().info(f"{config.robot}, period {self.period_s} s, computed by {place}")
 
@@ -62,6 +65,7 @@ class Controller(ClosableNode):
         self.control.update(self.clock.now_s, self.check_fresh, self.read)
         if self.control.joints:
             self.outputs.check(self.control.joints)
+            self.may_publish = True
             self.publish()
         if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:
             self.report.publish(self.control, now_s, self.periods, self.targets.refusals | self.chunks.refusals)
@@ -74,33 +78,49 @@ class Controller(ClosableNode):
     def read(self, joints: list[str]) -> tuple[dict[str, Any], float]:
         """Returns the arguments of the next step and the time of the measurement."""
         arguments, measured_s = self.inputs.measurement(joints)
-        self.position = arguments["joint_position"]
         finding = self.sign.update(arguments)
         if finding is not None:
             self.control.halt(finding, self.clock.now_s())
         start_s = measured_s if self.control.start_s is None else self.control.start_s
-        targets = self.targets.current(start_s) | self.chunks.take(start_s)
-        arrived = {"targets": targets or None, "obstacles": self.obstacles.current() or None}
-        return {**arguments, **arrived}, measured_s
+        targets, obstacles = self.targets.current(start_s), self.obstacles.current()
+        if self.control.is_free:  # Otherwise, no state is sent in this period.
+            targets |= self.chunks.current(start_s, self.control.answered)
+        return {**arguments, "targets": targets or None, "obstacles": obstacles or None}, measured_s
 
     def publish(self) -> None:
         """Publishes the command of this period."""
+        joints = self.control.joints
         velocity = self.control.command(self.clock.now_s())
         moves = self.control.phase in (Phase.RUNNING, Phase.BRAKING)
-        self.outputs.publish(self.control.joints, velocity, self.position if moves else None, self.period_s)
+        if not moves:
+            self.outputs.rest()
+        position = self.inputs.position(joints, LEAD_AGE_S) if moves and self.outputs.has_points else None
+        self.outputs.publish(joints, velocity, position, self.period_s)
 
-    def close(self) -> None:
-        """Brakes to rest and ends the session."""
+    def close(self, spin: Callable[[float], None]) -> None:
+        """Brakes to rest and ends the session. `spin` handles messages for a time, s: `/clock` and joint states."""
+        self.timer.cancel()
+        try:
+            self.come_to_rest(spin)
+            self.report.publish(self.control, self.clock.now_s(), self.periods, {})
+        finally:
+            self.sign.close()
+            self.connection.close()
+
+    def come_to_rest(self, spin: Callable[[float], None]) -> None:
+        """Brakes, and sends commands of rest."""
         self.control.halt("the node is being stopped", self.clock.now_s())
-        left, end_s = REST_COMMANDS, time.monotonic() + MAX_STOP_S
-        while self.control.joints and left > 0 and (self.clock.is_steady or time.monotonic() < end_s):
+        left, begin_s = REST_COMMANDS, time.monotonic()
+        now_s, ticked_s = self.clock.now_s(), begin_s
+        while self.may_publish and left > 0:
+            if self.clock.now_s() != now_s:
+                now_s, ticked_s = self.clock.now_s(), time.monotonic()
+            if time.monotonic() > min(ticked_s + MAX_STANDSTILL_S, begin_s + MAX_STOP_S) and not self.clock.is_steady:
+                self.control.rest()
             self.control.update(self.clock.now_s, self.check_fresh, self.read)
             left -= self.control.phase is Phase.HALTED
             self.publish()
-            time.sleep(self.period_s)
-        self.report.publish(self.control, self.clock.now_s(), self.periods, {})
-        self.sign.close()
-        self.connection.close()
+            spin(self.period_s)
 
 
 def main() -> None:

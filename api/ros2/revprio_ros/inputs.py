@@ -47,6 +47,16 @@ class Inputs:
             if age_s < -limit_s:
                 raise NotUsable(f"`{name}` has a stamp {-age_s:.3f} s in the future; synchronise the clocks")
 
+    def position(self, joints: list[str], limit_s: float) -> dict[str, float] | None:
+        """Returns the measured positions; None if there are none up to `limit_s` old."""
+        newest = self._newest["joint_states"]
+        if newest is None or abs(self._clock.now_s() - newest[1]) > limit_s:
+            return None
+        try:
+            return conversion.measurement(newest[0], None, joints, None)["joint_position"]
+        except NotUsable:
+            return None
+
     def measurement(self, joints: list[str]) -> tuple[dict[str, Any], float]:
         """Returns the arguments of `revprio.Controller.step`, and the time of the measurement on the loop's clock."""
         self.check_fresh()

@@ -19,9 +19,10 @@ from revprio_ros.parameters import ParameterError, Settings, topic
 
 @dataclass(frozen=True)
 class Seen:
-    """A position of an obstacle, m, and its time on the loop's clock, s."""
+    """A position of an obstacle, m, its stamp, ns, and its time on the loop's clock, s."""
 
     position: list[float]
+    stamp_ns: int
     at_s: float
 
 
@@ -55,9 +56,9 @@ class Obstacles:
                 self._refusals[name] = "its position is not finite"
             else:
                 self._refusals.pop(name, None)
-                seen = Seen(position, self._clock.now_s() - self._clock.age_s(message.header.stamp))
-                before = [earlier for earlier in self._newest[name] if earlier.at_s < seen.at_s]
-                self._newest[name] = [*before[-1:], seen]
+                stamp = message.header.stamp
+                seen = Seen(position, nanoseconds(stamp), self._clock.now_s() - self._clock.age_s(stamp))
+                self._newest[name] = with_newer(self._newest[name], seen, self._settings.max_age_s)
 
         return receive
 
@@ -81,11 +82,24 @@ class Obstacles:
         return [state(name, seen) for name, seen in self._newest.items()]
 
 
+def nanoseconds(stamp: Any) -> int:
+    """Returns a stamp in ns. As seconds, it would be rounded."""
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
+def with_newer(seen: list[Seen], new: Seen, max_age_s: float) -> list[Seen]:
+    """Returns the two newest poses, or one after a jump of the clock. A repeated or late one is no motion."""
+    if not seen or new.stamp_ns > seen[-1].stamp_ns:
+        return [*seen[-1:], new]
+    has_jumped = seen[-1].stamp_ns - new.stamp_ns > 1e9 * max_age_s
+    return [new] if has_jumped else seen
+
+
 def state(name: str, seen: list[Seen]) -> revprio.ObstacleState:
     """Returns the newest position of an obstacle, with the velocity from the one before; at rest if there is none."""
     newest = seen[-1]
     velocity = [0.0, 0.0, 0.0]
     if len(seen) > 1:
-        elapsed_s = newest.at_s - seen[0].at_s
+        elapsed_s = 1e-9 * (newest.stamp_ns - seen[0].stamp_ns)
         velocity = [(b - a) / elapsed_s for a, b in zip(seen[0].position, newest.position, strict=True)]
     return revprio.ObstacleState(name=name, position=newest.position, velocity=velocity)

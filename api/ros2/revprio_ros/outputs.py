@@ -14,6 +14,8 @@ from revprio_ros.parameters import ParameterError, Settings
 
 MAX_LEAD = 0.1
 """Largest distance from the measured to the commanded position of a trajectory, rad or m."""
+LEAD_AGE_S = 0.02
+"""Age up to which a measured position bounds that distance, s: an older one is behind an arm that moves."""
 
 
 class Outputs:
@@ -30,6 +32,11 @@ class Outputs:
             self._trajectories = node.create_publisher(JointTrajectory, name, 1)
         self._reference: list[float] | None = None
 
+    @property
+    def has_points(self) -> bool:
+        """Whether it publishes trajectory points."""
+        return self._trajectories is not None
+
     def check(self, joints: Sequence[str]) -> None:
         """Refuses `command_joints` that are not the joints of the robot."""
         if self._wanted and sorted(self._wanted) != sorted(joints):
@@ -40,7 +47,7 @@ class Outputs:
     ) -> None:
         """Publishes a command for one period: joint velocities in the order of `joints`.
 
-        `position`: measured, by name; None while the arm waits at rest. Then there are no trajectory points.
+        `position`: measured up to `LEAD_AGE_S` ago, by name, if it is known.
         """
         if self._velocities is not None:
             ordered = conversion.in_order(velocity, joints, self._wanted or joints)
@@ -48,15 +55,20 @@ class Outputs:
         if self._trajectories is not None:
             self._publish_point(joints, velocity, position, period_s)
 
+    def rest(self) -> None:
+        """Ends the trajectory. The next one begins at the measured position."""
+        self._reference = None
+
     def _publish_point(
         self, joints: Sequence[str], velocity: Sequence[float], position: Mapping[str, float] | None, period_s: float
     ) -> None:
         """Publishes the commanded position one period ahead: the integral of the velocities, near the measured one."""
-        if not position:
-            self._reference = None
+        near = self._reference
+        if position:
+            measured = [position[joint] for joint in joints]
+            near = [min(max(p, q - MAX_LEAD), q + MAX_LEAD) for p, q in zip(near or measured, measured)]
+        if near is None:
             return
-        measured = [position[joint] for joint in joints]
-        near = [min(max(p, q - MAX_LEAD), q + MAX_LEAD) for p, q in zip(self._reference or measured, measured)]
         self._reference, velocities, (sec, nanosec) = conversion.trajectory_point(near, velocity, period_s)
         duration = Duration(sec=sec, nanosec=nanosec)
         point = JointTrajectoryPoint(positions=self._reference, velocities=velocities, time_from_start=duration)

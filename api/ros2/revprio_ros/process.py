@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable
 from threading import Event
 
@@ -15,9 +16,16 @@ from rclpy.signals import SignalHandlerOptions
 class ClosableNode(Node):
     """A node that ends cleanly."""
 
-    def close(self) -> None:
-        """Ends what the node has started."""
+    def close(self, spin: Callable[[float], None]) -> None:
+        """Ends what the node has started. `spin` handles messages for a time, s."""
         raise NotImplementedError
+
+
+def spin(executor: SingleThreadedExecutor, time_s: float) -> None:
+    """Handles messages for a time, s."""
+    end_s = time.monotonic() + time_s
+    while (left_s := end_s - time.monotonic()) > 0:
+        executor.spin_once(timeout_sec=left_s)
 
 
 def run_node(create: Callable[[], ClosableNode]) -> None:
@@ -37,7 +45,7 @@ def run_node(create: Callable[[], ClosableNode]) -> None:
             executor.spin_once(timeout_sec=0.1)
     finally:
         if node is not None:
-            node.close()
+            node.close(lambda time_s: spin(executor, time_s))
             executor.shutdown()
             node.destroy_node()
         rclpy.try_shutdown()

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 
@@ -160,7 +161,7 @@ class Simulator(ClosableNode):
         if status is not None:
             raise SystemExit(0 if status == 0 else f"`revprio simulate` ended with status {status}")
 
-    def close(self) -> None:
+    def close(self, _spin: Callable[[float], None]) -> None:
         """Ends the simulator."""
         self.program.terminate()
         self.program.wait()
