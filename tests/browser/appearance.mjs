@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { TIMEOUT_MS, checkAccess, cleanUp, launch, open, serve, waitForClock, waitForState } from './harness.mjs';
+import { TIMEOUT_MS, checkAccess, cleanUp, launch, open, prefer, serve, waitForClock, waitForState } from './harness.mjs';
 
 let browser;
 let service;
@@ -39,8 +39,7 @@ for (const [width, height] of SIZES) {
     assert.doesNotMatch(await page.textContent('body'), /[−-]0\.0+(?![\d])/);
 
     await checkAccess(page);
-    await page.emulateMedia({ colorScheme: 'dark' });
-    await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');
+    await prefer(page, 'dark');
     await checkAccess(page);
     assert.deepEqual(pageErrors, []);
     await page.goto('about:blank');

@@ -134,6 +134,79 @@ test('causes are counted once while their numbers change, and times are those of
   assert.deepEqual(why, ['task `a` has made no progress since t = 9.8640 s', 2 ** 31]);
 }));
 
+test('a continued run leaves round surfaces, holes, edges and doors where they are', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const contacts = await page.evaluate(async () => {
+    const { continued } = await import('/dashboard/continuation.js');
+    const given = [
+      { kind: 'plane', normal: [0, 0, 1], offset_m: 0.02, hole: { center: [0.0028, 0, 0], clearance_m: 0.001 } },
+      { kind: 'plane', normal: [0, 0, 1], offset_m: 0.02, edge: { direction: [1, 0, 0], distance_m: 0.01 } },
+      { kind: 'cylinder', axis: 'y', normal: [0, 0, 1], radius_m: 0.2, offset_m: 0.02 },
+      { kind: 'sphere', normal: [0, 0, 1], radius_m: 0.2, offset_m: 0.02 },
+      { kind: 'door', axis: 'z', normal: [0, -1, 0], radius_m: 0.3 },
+    ];
+    const scenario = { duration_s: 5, controller: { tasks: [] }, contacts: given };
+    const start = { position: [0, 0, 0], orientation: { w: 1, x: 0, y: 0, z: 0 } };
+    return continued(scenario, { joints: [] }, start, { time_s: 1, position: [0.03, 0.04, -0.01], joint_position: [] }).contacts;
+  });
+  const [hole, edge, cylinder, sphere, door] = contacts;
+  const near = (given, expected) => given.forEach((part, i) => assert.ok(Math.abs(part - expected[i]) < 1e-9, `${given}, not ${expected}`));
+  near([...hole.hole.center, hole.offset_m], [0.0028 - 0.03, -0.04, 0.01, 0.01]);
+  near([edge.edge.distance_m, edge.offset_m], [-0.02, 0.01]);
+  const middle = ({ normal, offset_m: offset = 0, radius_m: radius }) => normal.map((part) => -part * (offset + radius));
+  near(middle(cylinder), [-0.03, 0, -0.21]);
+  near(middle(sphere), [-0.03, -0.04, -0.21]);
+  near(middle(door), [-0.03, 0.26, 0]);
+  assert.equal(door.offset_m, undefined);
+}));
+
+test('a watched session has the force on the environment, and no distance that its samples do not tell', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const [force, unknown, errors, first] = await page.evaluate(async () => {
+    const { Watch } = await import('/dashboard/watch.js');
+    const law = { kind: 'pose', gain: 2 };
+    const upright = { w: 1, x: 0, y: 0, z: 0 };
+    const tasks = [
+      { name: 'hand', axes: ['x', 'y', 'z'], law },
+      { name: 'right', link: 'right', axes: ['x', 'y', 'z'], law: { ...law, target_pose: { position: [0.5, 0, 0], orientation: upright } } },
+      { name: 'led', axes: ['x', 'y', 'z'], law: { ...law, target_pose: { position: [0.5, 0, 0], orientation: upright } } },
+      { name: 'fixed', axes: ['x', 'y', 'z'], law: { ...law, target_pose: { position: [0.5, 0, 0.1], orientation: upright } } },
+    ];
+    const controller = { robot: 'a', period_s: 0.01, wrench_frame: 'tool', wrench_convention: 'on_tool', tasks };
+    const watch = new Watch({ id: 's', controller }, { name: 'a', joints: [] }, null);
+    const arm = { tool: { position: [0.5, 0, 0], orientation: { w: 0, x: 1, y: 0, z: 0 } }, links: [] };
+    const answers = tasks.map(({ name }) => ({ achieved: [0, 0, 0], requested: [0, 0, 0], residual_norm: 0, ...(name === 'led' && { target_state: 'following' }) }));
+    const step = {
+      state: { time_s: 600, joint_position: [], wrench: { force: [0, 0, -15], torque: [0, 0, 0] } },
+      answer: {
+        tasks: answers, joint_velocity: [], active_limits: [], violated_limits: [], elapsed_us: 1,
+        singularity: { smallest_singular_value: 1 }, solver: { path: 'active_set', status: 'optimal', kkt_residual: 0 },
+      },
+      arm,
+    };
+    watch.addStep(step);
+    const { columns } = watch.history;
+    return [watch.sample(step).force, watch.sample({ ...step, arm: undefined }).force.map(Number.isNaN), [0, 1, 2, 3].map((k) => columns[`linear${k}`][0]), watch.history.first];
+  });
+  // The tool looks down: what pulls it along its z presses on the table below.
+  assert.deepEqual(force.map(Math.round), [0, 0, -15]);
+  assert.deepEqual(unknown, [true, true, true]);
+  assert.deepEqual(errors.slice(0, 3).map(Number.isNaN), [true, true, true]);
+  assert.ok(Math.abs(errors[3] - 0.1) < 1e-6, `${errors}`);
+  assert.equal(first, 600);
+}));
+
+test('a link cannot put code into the copied program, and says which part is damaged', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const [program, damaged] = await page.evaluate(async () => {
+    const { asPython } = await import('/dashboard/snippets.js');
+    const { isDamaged } = await import('/dashboard/shared_state.js');
+    const state = (obstacle) => JSON.stringify({ obstacles: [obstacle] });
+    const texts = [state({ name: 'a', capsule: {} }), state({ name: 'a', sphere: { radius: 0.1 } }), '{', '', null];
+    return [asPython({ controller: { name: "a'''+print('run')+r'''" } }), texts.map(isDamaged)];
+  });
+  assert.equal(program.match(/'/g).length, 6, program);
+  assert.match(program, /\\u0027\\u0027\\u0027/);
+  assert.deepEqual(damaged, [true, false, true, false, false]);
+}));
+
 test('a service that is busy when the page opens is asked again', options, async () => {
   const { page, pageErrors, close } = await open(browser, 'about:blank');
   let refused = 0;

@@ -95,6 +95,9 @@ function watchFrames(page) {
     if (await frame()) return;
     console.error(`${page.url()}: no frame in ${FRAME_MS} ms; the page is brought to the front`);
     await page.bringToFront();
+    if (await frame()) return;
+    console.error(`${page.url()}: still no frame; a picture is taken, which draws one`);
+    await page.screenshot();
   };
   // A page that is left or closed has no frames, and nobody waits for it.
   return setInterval(() => check().catch(() => {}), 2 * FRAME_MS).unref();
@@ -162,6 +165,23 @@ async function shown(page, pageErrors) {
 export function waitForState(page, pill, ...values) {
   const hasState = ([id, wanted]) => wanted.includes(document.getElementById(id)?.dataset[id]);
   return page.waitForFunction(hasState, [pill, values], { timeout: TIMEOUT_MS });
+}
+
+/** Time after which a change of the theme counts as lost, ms. */
+const THEME_MS = 30_000;
+
+/** Changes the theme that the system prefers, and waits until the page has it. A browser that has put the page aside may lose the change; it is made anew then. */
+export async function prefer(page, theme) {
+  const follows = (wanted) => document.documentElement.dataset.theme === wanted;
+  for (let attempt = 1; ; attempt += 1) {
+    await page.emulateMedia({ colorScheme: theme });
+    const error = await page.waitForFunction(follows, theme, { timeout: THEME_MS, polling: 100 }).then(() => null, (error) => error);
+    if (!error) return;
+    if (attempt === 3) throw error;
+    console.error(`${page.url()}: the page has not followed to the ${theme} theme`);
+    await page.bringToFront();
+    await page.emulateMedia({ colorScheme: theme === 'dark' ? 'light' : 'dark' });
+  }
 }
 
 /** Ends the run. It may have ended by itself: a click would then wait for a button that stays disabled. */

@@ -1,7 +1,7 @@
 // The scenario that continues a run from its present posture, after a change that needs a new run.
 
 import { vec } from './arm.js';
-import { dot, sub, unit, scale } from './geometry.js';
+import { dot, norm, sub, unit, scale } from './geometry.js';
 import { inTaskFrame, positionRows, referencePose } from './goals.js';
 import { shifted } from './profile.js';
 
@@ -68,12 +68,31 @@ function continuedContact(contact, moved, time) {
   const motion = contact.motion ? shifted(contact.motion, time) : contact.motion;
   const k = 'xyz'.indexOf(contact.axis ?? 'x');
   if (contact.kind === 'spring') return { ...contact, motion, offset_m: offset - moved[k] };
+  if (contact.normal && contact.radius_m) return { ...continuedRound(contact, moved), ...(motion && { motion }) };
   if (contact.normal) {
-    return { ...contact, motion, offset_m: offset + dot(unit(vec(contact.normal)), moved) };
+    const { hole, edge } = contact;
+    return {
+      ...contact, motion, offset_m: offset + dot(unit(vec(contact.normal)), moved),
+      ...(hole && { hole: { ...hole, center: sub(vec(hole.center), moved) } }),
+      ...(edge && { edge: { ...edge, distance_m: (edge.distance_m ?? 0) - dot(unit(vec(edge.direction)), moved) } }),
+    };
   }
   // A tool that touches a wall has passed its surface. A plane keeps its side, a wall would change it.
   const side = offset < 0 ? -1 : 1;
   const normal = scale(vec([Number(k === 0), Number(k === 1), Number(k === 2)]), -side);
   const { axis: _, ...rest } = contact;
   return { ...rest, kind: 'plane', normal, motion, offset_m: side * offset + dot(normal, moved) };
+}
+
+/** A cylinder, a sphere or a door keeps its middle. A door, which starts at the tool, is as wide as the tool is away from its hinge. @type {(contact: Contact, moved: [number, number, number]) => Contact} */
+function continuedRound(contact, moved) {
+  const radius = contact.radius_m ?? 0;
+  const offset = contact.offset_m ?? 0;
+  const k = contact.axis ? 'xyz'.indexOf(contact.axis) : -1;
+  const center = sub(scale(unit(vec(/** @type {number[]} */ (contact.normal))), -(offset + radius)), moved);
+  const across = vec(center.map((part, i) => (i === k ? 0 : part)));
+  const distance = norm(across);
+  if (distance === 0) return contact;
+  const normal = scale(across, -1 / distance);
+  return contact.kind === 'door' ? { ...contact, normal, radius_m: distance } : { ...contact, normal, offset_m: distance - radius };
 }

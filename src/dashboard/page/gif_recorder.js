@@ -44,6 +44,10 @@ export class GifRecorder {
     this.started = performance.now();
     this.small.width = 0;
     this.onChange(null);
+    // While nothing is drawn, no picture ends it.
+    setTimeout(() => {
+      if (this.state === 'recording' && performance.now() - this.started >= LONGEST) void this.finish();
+    }, LONGEST + BETWEEN);
     this.addPicture();
   }
 

@@ -148,6 +148,11 @@ export class History {
     return this.last?.time_s ?? 0;
   }
 
+  /** Time at which the shown past begins, s: that of the first sample of a session of others. */
+  get first() {
+    return this.length > 0 && this.measures?.knowsStart === false ? this.columns.time[0] : 0;
+  }
+
   /** Returns the index of the last sample at or before a time; −1 if there is none. @type {(time: number) => number} */
   indexAt(time) {
     let [low, high] = [0, this.length];
@@ -176,13 +181,16 @@ export class History {
   }
 }
 
+/** Returns the bit of a joint in a mask; 0 where it has none. @type {(joint: number) => number} */
+export const bitOf = (joint) => (joint < 32 ? 1 << joint : 0);
+
 /** Returns a sample on the clock of the page, which goes on where runs continue; `why` names times too. @type {(given: LiveSample, offset: number) => LiveSample} */
 function later(given, offset) {
   const shifted = (/** @type {string} */ text) => text.replace(/\bt = ([\d.]+) s/g, (_, time) => `t = ${(Number(time) + offset).toFixed(4)} s`);
   return { ...given, time_s: given.time_s + offset, ...(given.why && { why: given.why.map(shifted) }) };
 }
 
-/** Returns joint indices as a bit mask; bit 30 stands for index 30 and above. @param {number[]} joints */
+/** Returns the first 32 joint indices as a bit mask. Others are not shown. @param {number[]} joints */
 function mask(joints) {
-  return joints.reduce((bits, joint) => bits | (1 << joint), 0);
+  return joints.reduce((bits, joint) => bits | bitOf(joint), 0);
 }

@@ -1,5 +1,6 @@
 // The plot of the active limits: one row per joint over time.
 
+import { bitOf } from './history.js';
 import { labelWidth } from './labels.js';
 import { atX, axes, FONT, hint, line } from './plot.js';
 import { drawMarks, timeFrame, timeReading } from './time_axis.js';
@@ -29,7 +30,7 @@ export function activeLimits(surface, width, height, view, colours) {
     surface.textAlign = 'right';
     surface.textBaseline = 'middle';
     surface.fillText(label, frame.left - 6, top + row / 2);
-    const bit = 1 << i;
+    const bit = bitOf(i);
     const high = Math.max(1, row / 2 - 1.5);
     const above = drawIntervals(surface, frame, time, upper, bit, history.length, top + 1, high, colours.alarm);
     const below = drawIntervals(surface, frame, time, lower, bit, history.length, top + row / 2 + 0.5, high, colours.axes[0]);
@@ -42,7 +43,7 @@ export function activeLimits(surface, width, height, view, colours) {
   drawMarks(surface, frame, view, colours);
   return timeReading(view, frame, (i) => {
     const at = (/** @type {number} */ joint) =>
-      [lower, upper].flatMap((bits, side) => (bits[i] & (1 << joint) ? [side ? 'upper' : 'lower'] : []));
+      [lower, upper].flatMap((bits, side) => (bits[i] & bitOf(joint) ? [side ? 'upper' : 'lower'] : []));
     const active = labels.flatMap((label, joint) => at(joint).map((side) => `${label}: ${side} limit`));
     return active.length > 0 ? active : ['no active limit'];
   });

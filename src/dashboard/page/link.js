@@ -1,11 +1,11 @@
 // Links to what is on the screen: made here, and restored when the page opens.
 
 import * as compare from './compare.js';
-import { notify } from './notices.js';
+import { element, notify } from './notices.js';
 import { fixed } from './number.js';
 import { toFragment } from './setup.js';
 import { MAX_LINK, packed, registerShared } from './shared_robot.js';
-import { viewText } from './shared_state.js';
+import { isDamaged, viewText } from './shared_state.js';
 import { state } from './state.js';
 import { shownSample } from './view.js';
 
@@ -70,6 +70,16 @@ const opened = new URLSearchParams(location.hash.slice(1));
 /** Lets a run control read what links have besides the setup. @param {RunControl} runControl */
 export function bind(runControl) {
   compare.fromText(opened.get('compare'));
+  if (isDamaged(opened.get('state'))) notify('A part of the link is damaged', 'planes, obstacles or targets that cannot be read are left out');
+  // The page reads a link when it is opened.
+  addEventListener('hashchange', () => {
+    if (new URLSearchParams(location.hash.slice(1)).has('scenario')) location.reload();
+  });
+  const skip = /** @type {HTMLAnchorElement} */ (document.querySelector('.skip'));
+  skip.onclick = () => {
+    element('go').focus();
+    return false;
+  };
   runControl.robotOfLink = async () => {
     const text = opened.get('urdf');
     if (!text) return '';

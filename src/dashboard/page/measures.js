@@ -39,13 +39,23 @@ export class Measures {
     /** Whether the rows of all tasks together are singular or regular in every posture, so that only those of the tool count. */
     this.isDependent = areDependent(controller, kinematics?.joints.length ?? 0);
     this.start = start;
+    /** Whether the pose from which the targets are measured is known. */
+    this.knowsStart = true;
     /** @type {ForceRow[]} */
     this.rows = forceRows(controller);
     /** Targets that the page sent. @type {{task: string, time: number, pose: Pose}[]} */
     this.streamed = [];
+    /** Whether each task follows a target that another client streams, which is not known. @type {boolean[]} */
+    this.isStreamed = [];
     /** Integrated residual of each velocity task, m and rad. @type {(number[] | undefined)[]} */
     this.drift = [];
     this.time = NaN;
+  }
+
+  /** Takes over what an answer to another client says about its targets. @type {(answer: Pick<import('./types.js').StepAnswer, 'tasks'>) => void} */
+  follow({ tasks }) {
+    this.knowsStart = false;
+    this.isStreamed = tasks.map(({ target_state: state }) => state !== undefined && state !== null);
   }
 
   /** Labels of the shown forces. */
@@ -78,6 +88,10 @@ export class Measures {
 
   /** @type {(task: Task, k: number, sample: LiveSample, elapsed: number) => PoseError} */
   error(task, k, sample, elapsed) {
+    // The pose of the tool says nothing about these.
+    if (task.link || task.relative_to || this.isStreamed[k]) return NO_ERROR;
+    const isInitial = task.law && 'target_pose' in task.law && (task.law.target_pose ?? 'initial') === 'initial';
+    if (!this.knowsStart && (isInitial || (task.law && !('target_pose' in task.law) && positionRows(task).some(Boolean)))) return NO_ERROR;
     if (positionRows(task).some(Boolean)) return poseError(task, this.target(task, sample.time_s), toolPose(sample));
     if (task.law?.kind === 'posture') return { linear: NaN, angular: postureError(task, sample) };
     if (task.law?.kind !== 'velocity') return NO_ERROR;

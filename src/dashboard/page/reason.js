@@ -131,7 +131,8 @@ function cause({ position_limit: range, velocity_limit: fastest }, sample, joint
 /** Returns the planes that the tool has reached. They are not active once the arm rests and its requests have faded. @type {(controller: View['controller'], sample: LiveSample) => string[]} */
 function planesAt(controller, { position: tool }) {
   return (controller?.inequalities ?? []).flatMap((inequality) => {
-    if (inequality.kind !== 'plane') return [];
+    // Where other points are, a sample does not say.
+    if (inequality.kind !== 'plane' || (inequality.point ?? 'tool') !== 'tool') return [];
     const { normal, offset_m: offset, name } = inequality;
     const along = normal.reduce((sum, part, i) => sum + part * tool[i], 0) / Math.hypot(...normal);
     return along > offset - AT_PLANE ? [`inequality \`${name ?? 'plane'}\` is at its bound`] : [];

@@ -12,7 +12,7 @@ export function bind(runControl) {
   element('replay').onclick = () => {
     replay.isPlaying = !replay.isPlaying;
     const { history } = runControl;
-    if (replay.isPlaying && (runControl.cursor === null || runControl.cursor >= history.now)) runControl.cursor = 0;
+    if (replay.isPlaying && (runControl.cursor === null || runControl.cursor >= history.now)) runControl.cursor = history.first;
     runControl.onChange();
   };
   element('loop').onclick = () => {
@@ -31,7 +31,7 @@ export function advance(runControl, seconds) {
   if (!replay.isPlaying || cursor === null) return false;
   const next = cursor + seconds * (setup?.speed ?? 1);
   if (next < history.now) runControl.cursor = next;
-  else if (replay.isLooping) runControl.cursor = 0;
+  else if (replay.isLooping) runControl.cursor = history.first;
   else {
     runControl.cursor = null;
     replay.isPlaying = false;

@@ -144,7 +144,8 @@ export class RunControl {
       this.setup = setups.defaults(this.scenario);
       this.onError(new Error(`the service has no ${lost ? `robot ${lost}` : `scenario ${scenario}`} any more; the page shows ${fallback.name}`));
     }
-    await this.showStart();
+    // A watched session keeps its own robot.
+    if (!this.watch) await this.showStart();
   }
 
   /** A service that was started again does not know the robots that were dropped onto the page. */
@@ -381,6 +382,11 @@ export class RunControl {
     state.set({ session: id });
     if (!id) return;
     const watch = await Watch.open(id);
+    // Another choice was made meanwhile.
+    if (state.value.session !== id || this.watch) {
+      watch.close();
+      return;
+    }
     this.watch = watch;
     this.robot = watch.robot;
     this.kinematics = watch.kinematics;

@@ -15,7 +15,7 @@ export const MAX_LINK = 60_000;
 const MAX_TEXT = 2_000_000;
 
 /** Fields of a registration that a link has besides the URDF text; others are ignored. */
-const FIELDS = /** @type {const} */ (['limits', 'joint_names', 'tool_offset', 'base', 'tip']);
+const FIELDS = /** @type {const} */ (['limits', 'joint_names', 'tool_offset', 'base', 'tip', 'tips', 'srdf', 'shapes', 'shape_list', 'collision_pairs']);
 
 /** Returns the registration as text for a link. @type {(registration: RobotRegistration) => Promise<string>} */
 export async function packed(registration) {

@@ -16,6 +16,17 @@ export function toText({ planes, obstacles, targets }) {
   return Object.keys(state).length > 0 ? JSON.stringify(state) : '';
 }
 
+/** Returns whether a text has a part that `fromText` leaves out. @type {(text: string | null) => boolean} */
+export function isDamaged(text) {
+  if (!text) return false;
+  const read = Object.keys(fromText(text)).length;
+  try {
+    return read < Object.keys(JSON.parse(text)).length;
+  } catch {
+    return true;
+  }
+}
+
 /** Reads what `toText` wrote; invalid parts are left out. @type {(text: string | null) => Partial<Setup>} */
 export function fromText(text) {
   if (!text || text.length > MAX_LENGTH) return {};
@@ -44,8 +55,20 @@ const isPlace = (value) => Array.isArray(value) && value.length === 3 && value.e
 /** @type {(plane: any) => boolean} */
 const isPlane = (plane) => typeof plane?.name === 'string' && ['plane', 'wall'].includes(plane.kind) && /^[+−][xyz]$/.test(plane.side) && isNumber(plane.offset);
 
-/** The service checks the shapes. @type {(obstacle: any) => boolean} */
-const isObstacle = (obstacle) => typeof obstacle?.name === 'string' && Boolean(obstacle.sphere ?? obstacle.capsule ?? obstacle.box ?? obstacle.half_space);
+/** Whether an obstacle can be drawn; the service checks the numbers. @type {(obstacle: any) => boolean} */
+function isObstacle(obstacle) {
+  const { name, sphere, capsule, box, half_space: half } = obstacle ?? {};
+  const pose = box?.pose;
+  const isPose = !pose || isPlace(pose.position);
+  const isTurn = !pose?.orientation || ['w', 'x', 'y', 'z'].every((part) => isNumber(pose.orientation[part]));
+  const forms = [
+    sphere && isNumber(sphere.radius) && (sphere.center === undefined || isPlace(sphere.center)),
+    capsule && isNumber(capsule.radius) && isPlace(capsule.start) && isPlace(capsule.end),
+    box && isPlace(box.size) && isPose && isTurn,
+    half && isPlace(half.normal) && isNumber(half.offset_m),
+  ];
+  return typeof name === 'string' && forms.some(Boolean);
+}
 
 /** @type {(targets: any) => boolean} */
 function isTargets(targets) {

@@ -19,7 +19,7 @@ export function asPython(request) {
   return `import json${token() ? '\nimport os' : ''}
 import urllib.request
 
-cycle = json.loads(r'''${JSON.stringify(request)}''')
+cycle = json.loads(r'''${JSON.stringify(request).replaceAll("'", '\\u0027')}''')
 request = urllib.request.Request("${address()}/v1/step", json.dumps(cycle).encode(), ${headers})
 with urllib.request.urlopen(request) as response:
     answer = json.load(response)

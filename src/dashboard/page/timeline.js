@@ -21,7 +21,7 @@ export function bind(runControl) {
 /** Shows a time; null shows the latest. @type {(runControl: RunControl, time: number | null) => void} */
 function show(runControl, time) {
   const { history } = runControl;
-  runControl.cursor = time === null || history.length === 0 || time >= history.now ? null : Math.max(0, time);
+  runControl.cursor = time === null || history.length === 0 || time >= history.now ? null : Math.max(history.first, time);
   runControl.onChange();
 }
 
@@ -66,7 +66,7 @@ function moveWithKeys(runControl, plot, event) {
   /** @type {Record<string, number | null>} */
   const places = {
     ArrowLeft: now - range * KEY_STEP, ArrowRight: now + range * KEY_STEP, PageDown: now - range / 10, PageUp: now + range / 10,
-    Home: 0, End: null,
+    Home: history.first, End: null,
   };
   if (!(event.key in places)) return;
   event.preventDefault();
@@ -96,7 +96,8 @@ export function drawTimeline({ history, cursor }) {
   /** @type {HTMLInputElement} */
   const slider = element('time');
   const now = history.now;
-  slider.max = String(Math.max(now, 1e-3));
+  slider.min = String(history.first);
+  slider.max = String(Math.max(now, history.first + 1e-3));
   slider.value = String(cursor ?? now);
   slider.disabled = history.length === 0;
   slider.ariaValueText = `${fixed(cursor ?? now, 3)} s${cursor === null ? ', latest' : ''}`;

@@ -1,8 +1,10 @@
 // Watches a session that another client uses. The page cannot change the session.
 
+import { vec } from './arm.js';
 import { History } from './history.js';
 import { Kinematics } from './kinematics.js';
 import { Measures } from './measures.js';
+import { rotate } from './rotation.js';
 import { events, get } from './transport.js';
 
 /**
@@ -94,6 +96,7 @@ export class Watch {
     const bin = Math.floor(10 * Math.log10(Math.max(0.1, answer.elapsed_us)) + 1);
     this.solveTime.counts[Math.max(0, Math.min(51, bin))] += 1;
     this.solveTime.worst_us = Math.max(this.solveTime.worst_us, answer.elapsed_us);
+    this.history.measures?.follow(answer);
     this.history.push(this.sample(step));
     if (step.arm) this.history.pushArm(step.state.time_s, step.arm);
   }
@@ -110,14 +113,13 @@ export class Watch {
         .filter((limit) => limit.side === side)
         .map((limit) => names.indexOf(limit.joint))
         .filter((joint) => joint >= 0);
-    const sign = this.session.controller.wrench_convention === 'on_tool' ? -1 : 1;
     return {
       time_s: state.time_s,
       joint_position: this.joints(state.joint_position),
       joint_velocity: answer.joint_velocity,
       position: arm?.tool.position ?? [0, 0, 0],
       orientation: arm ? [arm.tool.orientation.w, arm.tool.orientation.x, arm.tool.orientation.y, arm.tool.orientation.z] : [1, 0, 0, 0],
-      force: answer.wrench?.force ?? (state.wrench?.force ?? [0, 0, 0]).map((value) => sign * value),
+      force: answer.wrench?.force ?? this.force(state.wrench?.force ?? [0, 0, 0], arm),
       target_force: targets(this.session, answer),
       wall_distance_m: null,
       residual_norms: answer.tasks.map((task) => task.residual_norm),
@@ -137,6 +139,19 @@ export class Watch {
       ...(answer.why && { why: answer.why }),
       ...(answer.collisions && { room: { report: answer.collisions, obstacles: state.obstacles ?? [] } }),
     };
+  }
+
+  /**
+   * Returns a measured force as the force of the tool on its environment, base axes; not a number if it is in the axes of a tool whose pose is not known.
+   * @param {number[]} measured
+   * @param {WatchedStep['arm']} arm
+   * @returns {number[]}
+   */
+  force(measured, arm) {
+    const { wrench_convention: convention, wrench_frame: frame } = this.session.controller;
+    const force = vec(measured.map((value) => (convention === 'on_tool' ? -value : value)));
+    if (frame !== 'tool') return force;
+    return arm ? rotate(arm.tool.orientation, force) : [NaN, NaN, NaN];
   }
 
   /**

@@ -37,7 +37,8 @@ export function world(runControl, now = null) {
   const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
   const goal = handle(runControl);
   const contacts = [
-    ...(scenario?.contacts ?? []).map((contact) => currentContact(contact, start, tool, distance)),
+    // Doors and round surfaces have no picture.
+    ...(scenario?.contacts ?? []).filter(({ radius_m: radius }) => !radius).map((contact) => currentContact(contact, start, tool, distance)),
     ...planes(runControl, sample?.active_inequalities ?? []),
   ];
   const about = { robot, labels: jointLabels(robot?.joints.map(({ name }) => name) ?? []), controller: shownController(runControl) };
