@@ -195,7 +195,7 @@ class Check:
         claimed = {"optimal": CHECKS, "not_certified": ["certificate", "velocity"], "failed": []}[answer["solver"]["status"]]
         self.request, self.answer, self.largest = request, answer, dict.fromkeys(claimed, 0.0)
         self.velocity, residual = numbers(answer["joint_velocity"]), answer["solver"]["kkt_residual"]
-        self.method, self.is_closed = request.get("method", "reverse_priority"), request.get("solver") == "closed_form"
+        self.method, self.is_closed = request.get("method") or "strict_reverse_priority", request.get("solver") == "closed_form"
         named = lambda what, all: {a["name"] if a.get("name") is not None else f"{what} {k}": a for k, a in enumerate(all, 1)}
         self.tasks, self.hard = named("task", request["tasks"]), named("inequality", request.get("inequalities", []))
         has_scaled = any(task.get("scale") for task in request["tasks"])  # Then equations need not have names.
@@ -203,13 +203,14 @@ class Check:
         self.fine = min(1.0, max(FINE, (residual or 0.0) / TOLERANCE))
         given = claimed and answer.get("certificate") or {"problems": [], "answer": []}
         problems = dict(enumerate(Problem(raw, self.note, self.fine) for raw in given["problems"]))
+        self.problems = list(problems.values())
         self.parts = [(problems[part["problem"]], *numbers([part["weight"]])) for part in given["answer"]]
         self.note("certificate", 0.0 if self.parts else inf)
         self.note("status", residual is None or not 0 <= residual <= TOLERANCE)
         if not self.parts:
             self.largest = {check: error for check, error in self.largest.items() if check == "certificate"}
         else:
-            self.check_plan(list(problems.values()))
+            self.check_plan(self.problems)
             self.check_velocity()
             self.check_active()
 
@@ -247,10 +248,11 @@ class Check:
             plan, rows = plan[-1:], [row for row in problems[-1].rows if row.key not in self.hard]
             is_met = all(row.ends[0] == row.ends[1] for row in rows) and are_independent([row.a for row in rows])
             self.note("plan", not is_met or self.method != "reverse_priority")
-        self.main = problems[-1] if problems else self.parts[0][0]
+        self.note("rows", any(abs(end) != inf for problem in problems[:-1] for ends in problem.box for end in ends))
+        first, self.main = (problems or [self.parts[0][0]])[0], problems[-1] if problems else self.parts[0][0]
         is_right = [names(problem.rows) for problem in problems] == list(map(names, plan))
         self.note("plan", not is_right, is_exact and self.parts != [(self.main, 1)])
-        before = numbers(before) if is_exact and isinstance(before, list) else self.main.reference
+        before = numbers(before) if is_exact and isinstance(before, list) else first.reference
         for problem, rows in zip(problems, plan):
             size = hypot(*before, *problem.reference)
             self.note("rows", relative(hypot(*map(sub, before, problem.reference)), size))
@@ -274,7 +276,7 @@ class Check:
         for j, (value, ends) in enumerate(zip(self.velocity, box, strict=True)):
             total, size = sum(weight * part.x[j] for part, weight in self.parts), hypot(*(part.x[j] for part in parts))
             self.note("velocity", relative(value, size, total - excess(total, *ends)), excess(value, *ends) and inf)
-        rows = {row.key: row.a[:n] for row in self.main.rows}
+        rows = {row.key: row.a[:n] for problem in [*self.problems, self.main] for row in problem.rows}
         for (name, task), found in zip(self.tasks.items(), self.answer["tasks"], strict=True):
             achieved, ends = numbers(found["achieved"]), bounds_of(task)
             missing = [excess(value, *pair) for value, pair in zip(achieved, ends, strict=True)]

@@ -179,6 +179,44 @@ class Attacks(unittest.TestCase):
         line = '{"request": %s, "answer": %s, "request": %s}' % tuple(map(json.dumps, (other, answer, request)))
         self.assertEqual(printed(line)[0], 2)
 
+    def test_without_a_method_the_order_is_strict(self):
+        """As in the service. The answer of reverse priority, in three stages, is not that of the strict order."""
+        rows = [([1, 1], 2), ([1, 0], 0), ([0, 1], 0)]
+        request = {"certificate": True, "tasks": [{"jacobian": [a], "velocity": [b]} for a, b in rows]}
+        level = lambda k, kept=None: {"rows": [rows[k][0]], "lower": [kept or rows[k][1]], "upper": [kept or rows[k][1]],
+                                      "names": [{"task": f"task {k + 1}", "row": 0}]}
+        free = {"lower": [None, None], "upper": [None, None]}
+        # Both lower tasks cannot be met beside the first one; the strict order meets the second.
+        strict = {"solution": [0, 2], "reference": [0, 0], "levels": [level(0), level(1), level(2)], **free,
+                  "multipliers": [None, None, {"rows": [-2, 2, 2], "unknowns": [0, 0]}, {"rows": [0, 0, 2], "unknowns": [0, 0]}]}
+        certificate = {"problems": [strict], "answer": [{"problem": 0, "weight": 1.0}]}
+        tasks = [{"achieved": [value], "residual_norm": abs(value - b)} for value, (_, b) in zip((2, 0, 2), rows)]
+        answer = {"joint_velocity": [0, 2], "solver": {"status": "optimal", "kkt_residual": 0}, "tasks": tasks,
+                  "active_limits": [], "certificate": certificate}
+        named = request | {"method": "strict_reverse_priority"}
+        told = printed(json.dumps(named), json.dumps(answer))[1]
+        self.assertEqual(printed(json.dumps(request), json.dumps(answer))[1], told)
+        other = printed(json.dumps(request | {"method": "reverse_priority"}), json.dumps(answer))[1]
+        self.assertNotIn("does not hold: plan", told)
+        self.assertIn("plan", other)
+
+    def test_lower_stages_have_no_box_and_their_tasks_have_rows(self):
+        free, pinned = [None, None], [0, 0]
+        level = lambda k, value: {"rows": [[1 - k, k]], "lower": [value], "upper": [value],
+                                  "names": [{"task": f"task {k + 1}", "row": 0}]}
+        request = {"certificate": True, "method": "reverse_priority",
+                   "tasks": [{"jacobian": [[1, 0]], "velocity": [1]}, {"jacobian": [[0, 1]], "velocity": [1]}]}
+        last = {"solution": [1, 0], "reference": [0, 0], "lower": free, "upper": free, "levels": [level(0, 1), level(1, 0)],
+                "multipliers": [None, None, {"rows": [1, 0], "unknowns": [0, 0]}]}
+        first = {"solution": [0, 0], "reference": [0, 0], "lower": pinned, "upper": pinned, "levels": [level(1, 1)],
+                 "multipliers": [{"rows": [1], "unknowns": [0, 1]}, None]}
+        answer = {"joint_velocity": [1, 0], "solver": {"status": "optimal", "kkt_residual": 0}, "active_limits": [],
+                  "tasks": [{"achieved": [1], "residual_norm": 0}, {"achieved": [0], "residual_norm": 1}],
+                  "certificate": {"answer": [{"problem": 1, "weight": 1}], "problems": [first, last]}}
+        exit_status, words = printed(json.dumps(request), json.dumps(answer))
+        self.assertEqual(exit_status, 1)
+        self.assertIn("does not hold: rows", words)
+
     def test_a_missing_certificate_is_told_and_nothing_else_holds(self):
         request, answer = solved()
         for status in ("optimal", "not_certified"):
