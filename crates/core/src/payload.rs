@@ -161,13 +161,16 @@ pub fn identify(readings: &[PayloadReading], noise: [f64; 2]) -> Result<Payload,
     if !(center_of_mass.norm() <= FARTHEST_CENTER) {
         return Err(PayloadError::FarCenter { distance: center_of_mass.norm() });
     }
+    // c = (m c)/m: per axis, the error of the mass has a third of the square along c.
+    let of_mass = center_of_mass.norm() * mass_uncertainty / 3.0_f64.sqrt();
+    let center_uncertainty = moment_uncertainty.hypot(of_mass) / mass;
     Ok(Payload {
         mass: mass.max(0.0),
         center_of_mass,
         force_bias,
         torque_bias,
         mass_uncertainty,
-        center_uncertainty: if has_mass { moment_uncertainty / mass } else { f64::INFINITY },
+        center_uncertainty: if has_mass { center_uncertainty } else { f64::INFINITY },
         force_residual,
         torque_residual,
         condition,

@@ -88,6 +88,29 @@ fn six_postures_tell_mass_centre_and_bias_within_their_uncertainties() {
     assert!(squares.iter().all(|square| (0.8..1.25).contains(square)), "{squares:?}");
 }
 
+/// Of a light tool far from the sensor, most of the error of the centre comes from that of the mass.
+#[test]
+fn the_uncertainty_of_the_centre_counts_with_that_of_the_mass() {
+    let (center, mass, noise) = (Vector3::new(0.0, 0.0, 0.3), 0.3, [1.0, 0.01]);
+    let (mut random, mut squares, mut count) = (Random(88_172_645_463_325_252), 0.0, 0.0);
+    for _ in 0..400 {
+        let reading = |gravity: Vector3<f64>| PayloadReading {
+            gravity: GRAVITY * gravity,
+            force: GRAVITY * mass * gravity + random.vector(noise[0]),
+            torque: center.cross(&(GRAVITY * mass * gravity)) + random.vector(noise[1]),
+        };
+        let readings: Vec<PayloadReading> = six().into_iter().map(reading).collect();
+        if let Ok(payload) = identify(&readings, noise)
+            && payload.center_uncertainty.is_finite()
+        {
+            let error = (payload.center_of_mass - center).norm() / 3.0_f64.sqrt();
+            squares += (error / payload.center_uncertainty).powi(2);
+            count += 1.0;
+        }
+    }
+    assert!(count > 300.0 && (0.7..1.5).contains(&(squares / count)), "{count}: {}", squares / count);
+}
+
 /// A sensor and its readings in random postures, enough of them, with a random truth. The tool weighs 0.3 to 5 kg.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "6 to 25 readings")]
 fn random_case(random: &mut Random) -> (Truth, Vec<PayloadReading>) {

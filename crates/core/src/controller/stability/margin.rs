@@ -29,7 +29,7 @@ impl Margin {
 }
 
 impl ContactLoop {
-    /// Computes the spectral radius and the margins. It computes the eigenvalues of the loop at most 700 times.
+    /// Computes the spectral radius and the margins. It computes the eigenvalues of the loop at most 750 times.
     pub fn margin(&self) -> Result<Margin, StabilityError> {
         self.margin_unless(&|| false)
     }

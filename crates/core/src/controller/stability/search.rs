@@ -57,17 +57,9 @@ pub(super) fn largest_delay(
     with_delay: impl Fn(usize) -> Result<bool, StabilityError>,
 ) -> Result<Option<usize>, StabilityError> {
     let Some(mut stable) = first_stable([stated, 0], &with_delay)? else { return Ok(None) };
-    let mut unstable = (2 * stable).max(1);
-    while unstable <= MAX_DELAY_PERIODS && with_delay(unstable)? {
-        (stable, unstable) = (unstable, 2 * unstable);
-    }
-    while stable < MAX_DELAY_PERIODS && unstable - stable > 1 {
-        let middle = usize::midpoint(stable, unstable);
-        if with_delay(middle)? {
-            stable = middle;
-        } else {
-            unstable = middle;
-        }
+    // One by one: odd delays may be stable and even ones not.
+    while stable < MAX_DELAY_PERIODS && with_delay(stable + 1)? {
+        stable += 1;
     }
     Ok(Some(stable))
 }

@@ -57,6 +57,26 @@ fn margins_are_the_boundaries_of_stability() {
     assert!(radius(ContactLoop { delay_periods: delay_periods + 1, ..WALL }) > 1.0);
 }
 
+/// Odd delays are stable and even ones are not.
+#[test]
+fn the_largest_delay_has_no_unstable_one_below_it() {
+    let axis = ContactLoop {
+        inertia: 1.0,
+        damping: 125.0,
+        stiffness: 0.0,
+        environment_inertia: 0.0,
+        environment_damping: 88.9,
+        environment_stiffness: 0.0,
+        period_s: 0.01,
+        lag_s: 0.004,
+        delay_periods: 5,
+        velocity_measured: false,
+    };
+    let radius = |delay_periods| ContactLoop { delay_periods, ..axis }.margin().unwrap().spectral_radius;
+    assert!(radius(5) < 1.0 && radius(6) > 1.0 && radius(7) < 1.0);
+    assert_eq!(axis.margin().unwrap().largest_delay_periods, Some(5));
+}
+
 #[test]
 fn in_free_space_the_velocity_decides_stability() {
     let free = ContactLoop { environment_stiffness: 0.0, ..WALL };
