@@ -86,6 +86,10 @@ impl Kind {
 }
 
 pub fn run(options: &Options) -> Result<(), CliError> {
+    if let Some(option) = options.traces.given().filter(|_| !options.write.contains(&Kind::Traces)) {
+        let detail = "it is about recordings; add `traces` to --write".to_owned();
+        return Err(CliError::Option { option: option.to_owned(), detail });
+    }
     let scenarios = options.scenarios.iter().map(|name| Scenario::find(name)).collect::<Result<Vec<_>, _>>()?;
     check_names(&options.scenarios, &scenarios)?;
     let runner = ExperimentRunner::open(&options.service, options.robot.as_ref(), CallMode::Session)?;

@@ -145,7 +145,7 @@ fn print_missing_answers(recording: &Recording, label: &str) {
     let unanswered = recording.samples.iter().filter(|sample| !sample.answered).count();
     if unanswered > 0 {
         print_remark(format_args!(
-            "{label}: {unanswered} periods without an answer; the arm came to rest when the last answer was no longer valid"
+            "{label}: {unanswered} periods without an answer; the arm held the last one, and braked where it was no longer valid"
         ));
     }
 }

@@ -20,6 +20,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// Returns the first of these options that a command was given, and not in vain.
+    pub fn given(&self) -> Option<&'static str> {
+        if self.traces == [Format::Csv] { self.timings.then_some("--timings") } else { Some("--traces") }
+    }
+
     /// Writes a recording to the directory, in every format.
     pub fn write(&self, out: &Path, recording: &Recording) -> Result<(), CliError> {
         for &format in &self.traces {

@@ -78,6 +78,14 @@ fn runs_in_the_process_have_the_recordings_of_runs_over_http_and_no_requests() {
 }
 
 #[test]
+fn options_of_recordings_that_are_not_written_are_refused() {
+    for (option, given) in [("--traces", &["--traces", "mcap"][..]), ("--timings", &["--timings"])] {
+        let error = failure(&[&["compare", "stiff_wall", "--write", "page"][..], given].concat());
+        assert!(error.contains(option) && error.contains("add `traces` to --write"), "{error}");
+    }
+}
+
+#[test]
 fn compare_names_the_page_whatever_else_it_writes() {
     let scratch = Scratch::new("compare_written");
     let file = scratch.write("mine.toml", &short("stiff_wall", 0.01));

@@ -116,6 +116,8 @@ struct Answers {
     /// Number of answers that are kept.
     kept: usize,
     held: Option<HeldCommand>,
+    /// Number of states so far.
+    periods: u64,
 }
 
 impl Answers {
@@ -123,11 +125,14 @@ impl Answers {
     fn new(recording: &Recording, period_s: f64) -> Self {
         let oldest = recording.samples.iter().filter(|sample| sample.answered).map(|sample| sample.answer_age).max();
         let kept = usize::try_from(oldest.unwrap_or(0)).unwrap_or(usize::MAX).min(recording.samples.len()) + 1;
-        Self { period_s, recent: VecDeque::new(), kept, held: None }
+        Self { period_s, recent: VecDeque::new(), kept, held: None, periods: 0 }
     }
 
     /// Adds the answer to the state of a period. Returns the command of the arm in it, from the answer that it had.
     fn next(&mut self, answer: Option<wire::StepAnswer>, sample: &Sample) -> Option<&HeldCommand> {
+        // Sequence numbers begin with the recording, which may be a later part of a run.
+        let time_s = self.periods as f64 * self.period_s;
+        self.periods += 1;
         self.recent.push_back(answer);
         if self.recent.len() > self.kept {
             self.recent.pop_front();
@@ -136,8 +141,8 @@ impl Answers {
         let arrived = self.recent.iter().rev().nth(age).filter(|_| sample.answered).cloned().flatten();
         let before = self.held.take();
         self.held = match arrived {
-            Some(answer) => Some(HeldCommand::new(answer, before.as_ref(), sample.time_s, self.period_s)),
-            None => before.map(|before| before.hold(sample.time_s, self.period_s)),
+            Some(answer) => Some(HeldCommand::new(answer, before.as_ref(), time_s, self.period_s)),
+            None => before.map(|before| before.hold(time_s, self.period_s)),
         };
         self.held.as_ref()
     }
