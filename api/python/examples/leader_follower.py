@@ -12,6 +12,7 @@ import numpy as np
 import revprio
 
 ROBOT, PERIOD_S, ACTIONS = "panda", 0.01, 10
+SETTLING_S = 0.5
 
 
 def simulated() -> Iterator[tuple[float, np.ndarray]]:
@@ -37,11 +38,13 @@ follower = revprio.Controller(
     robot=ROBOT, tasks=[task], period_s=PERIOD_S, drive=revprio.JointDrive(lag_s=0, delay_periods=0)
 )
 q, fastest, sent = frames[0][1], 0.0, 0
-for period in range(int(frames[-1][0] / PERIOD_S)):
+for period in range(int((frames[-1][0] + SETTLING_S) / PERIOD_S)):
     now, targets = period * PERIOD_S, None
-    if sent + ACTIONS < len(frames) and now >= frames[sent][0]:
+    if sent < len(frames) and now >= frames[sent][0]:
         times, positions = zip(*frames[sent : sent + ACTIONS], strict=True)
-        targets, sent = {"follow": revprio.chunk(times, joint_position=np.array(positions))}, sent + ACTIONS // 2
+        targets = {"follow": revprio.chunk(times, joint_position=np.array(positions))}
+        # The last chunk has all that is left.
+        sent = sent + ACTIONS // 2 if sent + ACTIONS < len(frames) else len(frames)
     answer = follower.step(q, time_s=now, targets=targets)  # on an arm: read q, send answer.joint_velocity
     q = q + PERIOD_S * answer.joint_velocity
     fastest = max(fastest, float(np.abs(answer.joint_velocity).max()))
