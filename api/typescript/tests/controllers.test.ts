@@ -153,7 +153,7 @@ suite("controllers", () => {
     proxy.stall();
     await assert.rejects(session.stream({ timeoutMs: 50 }), LateAnswerError);
     const slow = new AbortController();
-    setTimeout(() => slow.abort(new Error("aborted by the test")), 50);
+    globalThis.setTimeout(() => slow.abort(new Error("aborted by the test")), 50);
     await assert.rejects(session.stream({ signal: slow.signal }), /aborted by the test/);
     proxy.resume();
   });
