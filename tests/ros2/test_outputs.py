@@ -49,7 +49,7 @@ def test_points_follow_a_ramp_whose_measured_position_is_old():
     for k in range(400):
         # The arm follows 40 ms behind; after 0.4 s no measurement arrives, and the node brakes.
         lead = min(k * PERIOD_S, 0.04) * 1.5
-        fresh = {"a": q - lead} if k < 200 else None
+        fresh = ({"a": q - lead}, 0.001) if k < 200 else None
         speed = 1.5 if k < 200 else max(speed - 5.0 * PERIOD_S, 0.0)
         q += speed * PERIOD_S
         outputs.publish(["a"], [speed], fresh, PERIOD_S)
@@ -61,8 +61,8 @@ def test_points_follow_a_ramp_whose_measured_position_is_old():
     assert len(node.published) == 400, "no point without a place to begin"
     # An arm that is held back does not let the points run away.
     for _ in range(400):
-        outputs.publish(["a"], [1.5], {"a": 0.0}, PERIOD_S)
-    assert node.published[-1].points[0].positions[0] == pytest.approx(MAX_LEAD + 1.5 * PERIOD_S)
+        outputs.publish(["a"], [1.5], ({"a": 0.0}, 0.04), PERIOD_S)
+    assert node.published[-1].points[0].positions[0] == pytest.approx(MAX_LEAD + 1.5 * (0.04 + PERIOD_S))
 
 
 def posture(name):

@@ -34,7 +34,7 @@ class Chunks:
         self._clock, self._settings = clock, settings
         self._arrived: dict[str, Chunk] = {}
         self._sent: dict[str, Chunk] = {}
-        self._answered = 0
+        self._settled = 0
         self.refusals: dict[str, str] = {}
         """Why the newest chunk of a task was not used, by task."""
         topics: set[str] = set()
@@ -52,14 +52,14 @@ class Chunks:
             topics.add(name)
             node.create_subscription(message, name, self._receiver(task), 10)
 
-    def current(self, start_s: float, answered: int) -> dict[str, revprio.StreamedTarget]:
-        """Returns the chunks for the next state: those that no answered state has brought.
+    def current(self, start_s: float, settled: int) -> dict[str, revprio.StreamedTarget]:
+        """Returns the chunks for the next state: those that no state has brought which was answered or refused.
 
-        Their times count from `start_s` on the loop's clock. `answered`: number of answers so far.
+        Their times count from `start_s` on the loop's clock. `settled`: number of such states so far.
         """
-        if answered > self._answered:
+        if settled > self._settled:
             self._arrived = {name: chunk for name, chunk in self._arrived.items() if self._sent.get(name) is not chunk}
-        self._sent, self._answered = dict(self._arrived), answered
+        self._sent, self._settled = dict(self._arrived), settled
         return {name: target(at_s - start_s, actions) for name, (at_s, actions) in self._arrived.items()}
 
     def _receiver(self, task: revprio.ControllerTask) -> Callable[[Any], None]:

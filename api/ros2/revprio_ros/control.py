@@ -62,6 +62,8 @@ class Control:
         """Warnings about the controller."""
         self.answer: revprio.StepAnswer | None = None
         """The newest answer."""
+        self.settled = 0
+        """Number of states that the service has answered or refused so far."""
         self.sessions = self.answered = 0
         """Number of sessions and of answers so far."""
 
@@ -159,8 +161,10 @@ class Control:
         try:
             result = call.result()
         except revprio.RevprioError as error:
+            self.settled += self._pending_is_step and not error.is_silence
             self._fail(error, now_s)
         else:
+            self.settled += self._pending_is_step
             self._obey(result, now_s) if self._pending_is_step else self._begin(*result)
 
     def _begin(self, joints: list[str], warnings: list[str], robot: revprio.Robot) -> None:

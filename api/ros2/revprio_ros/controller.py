@@ -16,7 +16,7 @@ from revprio_ros.control import Control, Phase
 from revprio_ros.inputs import Inputs
 from revprio_ros.loop_clock import LoopClock
 from revprio_ros.obstacles import Obstacles
-from revprio_ros.outputs import LEAD_AGE_S, Outputs
+from revprio_ros.outputs import Outputs
 from revprio_ros.process import ClosableNode, run_node
 from revprio_ros.report import Periods, Report
 from revprio_ros.sign_check import SignMonitor
@@ -84,7 +84,7 @@ class Controller(ClosableNode):
         start_s = measured_s if self.control.start_s is None else self.control.start_s
         targets, obstacles = self.targets.current(start_s), self.obstacles.current()
         if self.control.is_free:  # Otherwise, no state is sent in this period.
-            targets |= self.chunks.current(start_s, self.control.answered)
+            targets |= self.chunks.current(start_s, self.control.settled)
         return {**arguments, "targets": targets or None, "obstacles": obstacles or None}, measured_s
 
     def publish(self) -> None:
@@ -94,7 +94,7 @@ class Controller(ClosableNode):
         moves = self.control.phase in (Phase.RUNNING, Phase.BRAKING)
         if not moves:
             self.outputs.rest()
-        position = self.inputs.position(joints, LEAD_AGE_S) if moves and self.outputs.has_points else None
+        position = self.inputs.position(joints) if moves and self.outputs.has_points else None
         self.outputs.publish(joints, velocity, position, self.period_s)
 
     def close(self, spin: Callable[[float], None]) -> None:
@@ -112,14 +112,19 @@ class Controller(ClosableNode):
         self.control.halt("the node is being stopped", self.clock.now_s())
         left, begin_s = REST_COMMANDS, time.monotonic()
         now_s, ticked_s = self.clock.now_s(), begin_s
+        published_s = float("-inf")
         while self.may_publish and left > 0:
             if self.clock.now_s() != now_s:
                 now_s, ticked_s = self.clock.now_s(), time.monotonic()
             if time.monotonic() > min(ticked_s + MAX_STANDSTILL_S, begin_s + MAX_STOP_S) and not self.clock.is_steady:
                 self.control.rest()
             self.control.update(self.clock.now_s, self.check_fresh, self.read)
-            left -= self.control.phase is Phase.HALTED
-            self.publish()
+            is_halted = self.control.phase is Phase.HALTED
+            # A point is one period on: with a slow `/clock`, points of each real period would run ahead.
+            if is_halted or self.clock.now_s() > published_s + 0.99 * self.period_s:
+                published_s = self.clock.now_s()
+                left -= is_halted
+                self.publish()
             spin(self.period_s)
 
 

@@ -47,15 +47,17 @@ class Inputs:
             if age_s < -limit_s:
                 raise NotUsable(f"`{name}` has a stamp {-age_s:.3f} s in the future; synchronise the clocks")
 
-    def position(self, joints: list[str], limit_s: float) -> dict[str, float] | None:
-        """Returns the measured positions; None if there are none up to `limit_s` old."""
+    def position(self, joints: list[str]) -> tuple[dict[str, float], float] | None:
+        """Returns the measured positions and their age, s; None if they are not fresh."""
         newest = self._newest["joint_states"]
-        if newest is None or abs(self._clock.now_s() - newest[1]) > limit_s:
+        if newest is None:
             return None
+        age_s = abs(self._clock.now_s() - newest[1])
         try:
-            return conversion.measurement(newest[0], None, joints, None)["joint_position"]
+            position = conversion.measurement(newest[0], None, joints, None)["joint_position"]
         except NotUsable:
             return None
+        return (position, age_s) if age_s <= self._settings.max_age_s else None
 
     def measurement(self, joints: list[str]) -> tuple[dict[str, Any], float]:
         """Returns the arguments of `revprio.Controller.step`, and the time of the measurement on the loop's clock."""

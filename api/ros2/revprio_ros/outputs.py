@@ -13,9 +13,11 @@ from revprio_ros import conversion
 from revprio_ros.parameters import ParameterError, Settings
 
 MAX_LEAD = 0.1
-"""Largest distance from the measured to the commanded position of a trajectory, rad or m."""
-LEAD_AGE_S = 0.02
-"""Age up to which a measured position bounds that distance, s: an older one is behind an arm that moves."""
+"""Largest distance from the measured to the commanded position of a trajectory, rad or m, and the way of its age."""
+
+
+Measured = tuple[Mapping[str, float], float]
+"""Measured positions by name, rad or m, and their age, s."""
 
 
 class Outputs:
@@ -43,12 +45,9 @@ class Outputs:
             raise ParameterError(f"parameter `command_joints`: give the joints {', '.join(joints)}, in any order")
 
     def publish(
-        self, joints: Sequence[str], velocity: Sequence[float], position: Mapping[str, float] | None, period_s: float
+        self, joints: Sequence[str], velocity: Sequence[float], position: Measured | None, period_s: float
     ) -> None:
-        """Publishes a command for one period: joint velocities in the order of `joints`.
-
-        `position`: measured up to `LEAD_AGE_S` ago, by name, if it is known.
-        """
+        """Publishes a command for one period: joint velocities in the order of `joints`."""
         if self._velocities is not None:
             ordered = conversion.in_order(velocity, joints, self._wanted or joints)
             self._velocities.publish(Float64MultiArray(data=ordered))
@@ -60,13 +59,15 @@ class Outputs:
         self._reference = None
 
     def _publish_point(
-        self, joints: Sequence[str], velocity: Sequence[float], position: Mapping[str, float] | None, period_s: float
+        self, joints: Sequence[str], velocity: Sequence[float], position: Measured | None, period_s: float
     ) -> None:
         """Publishes the commanded position one period ahead: the integral of the velocities, near the measured one."""
         near = self._reference
         if position:
-            measured = [position[joint] for joint in joints]
-            near = [min(max(p, q - MAX_LEAD), q + MAX_LEAD) for p, q in zip(near or measured, measured)]
+            positions, age_s = position
+            measured = [positions[joint] for joint in joints]
+            leads = [MAX_LEAD + abs(speed) * age_s for speed in velocity]
+            near = [min(max(p, q - lead), q + lead) for p, q, lead in zip(near or measured, measured, leads)]
         if near is None:
             return
         self._reference, velocities, (sec, nanosec) = conversion.trajectory_point(near, velocity, period_s)

@@ -105,9 +105,10 @@ class Loops(unittest.TestCase):
 
     def test_without_answers_the_arm_brakes_and_goes_on_with_a_new_session(self):
         self.start()
-        self.connection.failure = revprio.NoAnswerError("url", "refused")
+        self.connection.failure, settled = revprio.NoAnswerError("url", "refused"), self.control.settled
         self.check_ramp_after_silence()
         self.assertIn("no answer", self.control.problem)
+        self.assertEqual(self.control.settled, settled)
         self.connection.failure = None
         self.tick(60)
         self.assertEqual((self.commands[-1], self.connection.opened >= 2), (MOVING, True))
@@ -147,8 +148,11 @@ class Loops(unittest.TestCase):
 
     def test_a_refused_state_brakes_at_once(self):
         self.start()
+        settled = self.control.settled
         self.connection.failure = problem(422)
         self.tick(2)
+        # What came with the refused state is not sent again.
+        self.assertEqual(self.control.settled, settled + 1)
         np.testing.assert_allclose(self.commands, self.ramp()[:2], atol=1e-9)
         self.assertIn("a reason", self.control.problem)
         self.connection.failure = None

@@ -19,6 +19,9 @@ import { perRow, valueAt } from './profile.js';
  * @property {PoseError[]} errors per task, highest priority first
  */
 
+/** Times above this are those of Unix, s. */
+const UNIX_TIME = 1e9;
+
 const NO_ERROR = { linear: NaN, angular: NaN };
 
 /** @type {(sample: {position: number[], orientation: number[]}) => Pose} */
@@ -89,7 +92,10 @@ export class Measures {
   /** @type {(task: Task, k: number, sample: LiveSample, elapsed: number) => PoseError} */
   error(task, k, sample, elapsed) {
     // The pose of the tool says nothing about these.
-    if (task.link || task.relative_to || this.isStreamed[k]) return NO_ERROR;
+    if (task.law?.kind !== 'velocity' && (task.link || task.relative_to || this.isStreamed[k])) return NO_ERROR;
+    // On the clock of Unix, profiles begin at a first state that the page has not seen.
+    const moves = task.law && ['target_displacement', 'target_position'].some((name) => typeof Reflect.get(task.law ?? {}, name)?.kind === 'string' && Reflect.get(task.law ?? {}, name).kind !== 'constant');
+    if (!this.knowsStart && moves && sample.time_s > UNIX_TIME) return NO_ERROR;
     const isInitial = task.law && 'target_pose' in task.law && (task.law.target_pose ?? 'initial') === 'initial';
     if (!this.knowsStart && (isInitial || (task.law && !('target_pose' in task.law) && positionRows(task).some(Boolean)))) return NO_ERROR;
     if (positionRows(task).some(Boolean)) return poseError(task, this.target(task, sample.time_s), toolPose(sample));

@@ -4666,8 +4666,8 @@ class StabilityAnswer(Answer):
     - stable_at_any_lag: Whether the loop is stable at any lag.
     - largest_damping: Damping B_d above `smallest_damping` at which the loop becomes unstable again; `null` if
       there is none.
-    - largest_delay_periods: Maximum delay at which the loop is stable, control periods, at most 64; `null` if there
-      is none.
+    - largest_delay_periods: Delay up to which the loop stays stable from the stated one on, or else from zero on,
+      control periods, at most 64; `null` if it is stable at neither.
     - largest_lag_s: Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`.
       A loop that is unstable at a shorter lag needs a longer one.
     - smallest_damping: Minimum damping B_d at which the loop is stable; `null` if there is none.
@@ -4682,7 +4682,8 @@ class StabilityAnswer(Answer):
     largest_damping: float | None = None
     """Damping B_d above `smallest_damping` at which the loop becomes unstable again; `null` if there is none."""
     largest_delay_periods: int | None = None
-    """Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none."""
+    """Delay up to which the loop stays stable from the stated one on, or else from zero on, control periods, at most
+    64; `null` if it is stable at neither."""
     largest_lag_s: float | None = None
     """Maximum lag at which the loop is stable, s; `null` if there is none, or if `stable_at_any_lag`. A loop that is
     unstable at a shorter lag needs a longer one."""

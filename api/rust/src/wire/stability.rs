@@ -108,7 +108,8 @@ pub struct StabilityAnswer {
     pub largest_lag_s: Option<f64>,
     /// Whether the loop is stable at any lag.
     pub stable_at_any_lag: bool,
-    /// Maximum delay at which the loop is stable, control periods, at most 64; `null` if there is none.
+    /// Delay up to which the loop stays stable from the stated one on, or else from zero on, control periods, at most 64; `null` if it is
+    /// stable at neither.
     pub largest_delay_periods: Option<usize>,
     /// Minimum damping B_d at which the loop is stable; `null` if there is none.
     pub smallest_damping: Option<f64>,

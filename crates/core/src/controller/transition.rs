@@ -236,6 +236,11 @@ fn kept_contacts(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig
 /// controller for it.
 fn kept_progress(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<Progress> {
     let known = |name: &str| memory.progress.get(task_index(old, name)?);
-    let ended = |progress: &Progress| Progress { leaving_since_s: None, ..*progress };
+    let ended = |progress: &Progress| match *progress {
+        Progress { leaving_since_s: Some(_), attempts, left_at, .. } => {
+            Progress { attempts, left_at, ..Progress::FREE }
+        }
+        followed => followed,
+    };
     new.tasks.iter().map(|task| known(&task.name).map_or(Progress::FREE, ended)).collect()
 }

@@ -120,6 +120,12 @@ fn a_motion_that_leaves_a_posture_ends_with_what_asked_for_it() {
                 let next = Controller::new(split(&robot, pose)).unwrap();
                 let kept = next.continue_from(stepper.controller(), &known, &q).unwrap();
                 assert!(kept.progress.iter().all(|progress| progress.leaving_since_s.is_none()));
+                // Nor does it begin again at once.
+                let mut followed = Some(kept);
+                let mut later = super::arms::measurement(&q);
+                later.time_s = state.time_s + PERIOD;
+                Stepper::new(next).unwrap().step(&mut followed, &later).unwrap();
+                assert!(followed.unwrap().progress.iter().all(|progress| progress.leaving_since_s.is_none()));
                 let task = leaving_task(&known);
                 let value = StreamedValue::Pose { position: None, orientation: Some(pose.rotation.into()) };
                 state.time_s += PERIOD;

@@ -100,8 +100,8 @@ pub(super) fn record<'a>(
     command
 }
 
-/// Speed of an obstacle above which it moves, m/s: more than what the noise of a camera makes of one that rests.
-const OBSTACLE_SPEED: f64 = 0.01;
+/// Speed of an obstacle above which it moves, m/s: more than what a millimetre of noise makes of one that rests, 30 times a second.
+const OBSTACLE_SPEED: f64 = 0.05;
 
 /// Returns whether the arm keeps clear while an obstacle moves: it turns with the obstacle then, as with a target that moves.
 fn makes_way(

@@ -12,8 +12,8 @@ pub struct Margin {
     /// Maximum τ, s, at which the loop is stable with its delay; infinite if any; `None` if there is none. A loop that is unstable at a
     /// shorter τ needs a longer one.
     pub largest_lag_s: Option<f64>,
-    /// Maximum d, up to [`MAX_DELAY_PERIODS`](super::MAX_DELAY_PERIODS), at which the loop is stable with its lag; `None` if unstable
-    /// at its own d and at d = 0.
+    /// The last d of the run of stable ones that has its own d, or else zero, up to [`MAX_DELAY_PERIODS`](super::MAX_DELAY_PERIODS); `None`
+    /// if the loop is unstable at both. Other d may be stable again.
     pub largest_delay_periods: Option<usize>,
     /// Minimum B_d at which the loop is stable with its lag and delay; `None` if there is none.
     pub smallest_damping: Option<f64>,

@@ -59,7 +59,7 @@ fn margins_are_the_boundaries_of_stability() {
 
 /// Odd delays are stable and even ones are not.
 #[test]
-fn the_largest_delay_has_no_unstable_one_below_it() {
+fn the_largest_delay_ends_the_stable_ones_from_the_stated_one_on() {
     let axis = ContactLoop {
         inertia: 1.0,
         damping: 125.0,

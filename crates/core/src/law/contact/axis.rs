@@ -131,7 +131,8 @@ impl ContactAxis {
     pub fn presses(&self, settings: &ContactSettings) -> bool {
         match self.phase {
             ContactPhase::Contact | ContactPhase::Loss => true,
-            ContactPhase::Fault(cause) => cause != FaultCause::Pull && self.force > settings.threshold(),
+            // A reading that stays, or sticks, is none of a surface.
+            ContactPhase::Fault(cause) => cause == FaultCause::ForceLimit && self.force > settings.threshold(),
             ContactPhase::Approach => false,
         }
     }

@@ -108,11 +108,22 @@ fn replace(path: &Path, write: impl FnOnce(File) -> Result<(), WriteError>) -> R
     if path.metadata().is_ok_and(|found| !found.is_file()) {
         return write(File::create(path)?);
     }
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let mut unfinished = path.clone().into_os_string();
-    unfinished.push(".tmp");
-    let written = write(File::create(&unfinished)?).and_then(|()| Ok(std::fs::rename(&unfinished, path)?));
-    written.inspect_err(|_| drop(std::fs::remove_file(&unfinished)))
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut unfinished = place.clone().into_os_string();
+    unfinished.push(format!(".{}.tmp", std::process::id()));
+    // A directory may permit changes of its files alone.
+    let Ok(file) = File::create_new(&unfinished) else { return write(File::create(path)?) };
+    let written = write(file).and_then(|()| {
+        if let Ok(before) = place.metadata() {
+            std::fs::set_permissions(&unfinished, before.permissions())?;
+        }
+        // A file that is mounted alone cannot be replaced.
+        Ok(std::fs::rename(&unfinished, &place).or_else(|_| std::fs::copy(&unfinished, &place).map(drop))?)
+    });
+    if written.is_err() || place.exists() {
+        let _ = std::fs::remove_file(&unfinished);
+    }
+    written
 }
 
 /// Returns the path of the description of the run of a table.
