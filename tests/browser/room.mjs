@@ -191,8 +191,8 @@ test('a run shows the distances of its answers, and a ball that moves where it i
     scenario.obstacle_motions = [{ name: 'ball', displacement }];
     await route.fulfill({ json: list });
   });
+  await page.goto('about:blank');
   await page.goto(`${service.url}/#scenario=stiff_wall`);
-  await page.reload();
   await waitForState(page, 'connection', 'ready');
   await page.click('#go');
   await waitForClock(page, 0.1);
