@@ -29,7 +29,7 @@
 //!
 //! # What remains
 //!
-//! *Claim.* Let the targets rest. From any time on, let W reach l for the k-th time at t_k. Then t_{k+1} − t_k ≥ c τ_0 2^k for some c > 0
+//! *Claim.* Let the targets and the obstacles rest. From any time on, let W reach l for the k-th time at t_k. Then t_{k+1} − t_k ≥ c τ_0 2^k for some c > 0
 //! and all k above some k_0, and while W ≥ l all requests are zero: the joints rest. So the share of time in which joints turn
 //! at a price goes to zero, as log t/t.
 //!
