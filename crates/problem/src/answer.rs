@@ -61,8 +61,8 @@ impl Resolution {
 /// What Clarabel did at one level.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LevelReport {
-    /// Its iterations over all attempts, except for those of a second solution that does not count; 0 where the levels above
-    /// leave nothing to decide.
+    /// Its iterations over all attempts, also those whose answer does not count; 0 where the levels above leave nothing to
+    /// decide.
     pub iterations: u32,
     /// Largest relative residual of the optimality conditions of the level at Clarabel's answer, dimensionless; infinite
     /// without an answer. Where the level was solved again from its first answer, this is the residual of the first one.
@@ -87,8 +87,8 @@ pub struct TaskOutcome {
     /// Whether task k depends on lower ones although each side has its own rank: ρ(J_k) + ρ(J_{k+1}^RP) > ρ(J_k^RP).
     /// Paper: Eq. (12).
     pub algorithmic: bool,
-    /// s of a scaled task, J_k q̇ = s ẋ_k: 1 where no limit cuts it; `None` where no s keeps its direction, and for other
-    /// tasks. Reverse priority knows limits, and so scaling, at its highest task alone.
+    /// s of a scaled task, J_k q̇ = s ẋ_k apart from what the joints cannot reach: 1 where no limit cuts it; `None` where no s keeps its
+    /// direction, and for other tasks. Reverse priority knows limits, and so scaling, at its highest task alone.
     pub scale: Option<f64>,
 }
 

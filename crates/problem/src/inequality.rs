@@ -36,7 +36,8 @@ impl Inequality {
         if !(bound.is_finite() && coefficients.iter().all(|a| a.is_finite())) {
             return Err(InequalityError::NotFinite);
         }
-        if !coefficients.norm().is_normal() {
+        let norm = coefficients.norm();
+        if !(norm.is_normal() || norm.is_infinite()) {
             return Err(InequalityError::Zero);
         }
         Ok(Self { name: name.into(), row: 0, coefficients, bound, level: LOWEST_CONSTRAINT_LEVEL })

@@ -34,7 +34,8 @@ impl Singularity {
     pub fn values(&self) -> (f64, f64) {
         let computed = || self.compute.map_or((0.0, 0.0), |compute| compute(&self.rows.matrix()));
         let (smallest, product) = self.known.unwrap_or_else(computed);
-        (smallest, product.min(f64::MAX))
+        // ∞ · 0 is no number.
+        (smallest, if smallest == 0.0 { 0.0 } else { product.min(f64::MAX) })
     }
 
     /// Sets σ_min and the product of the singular values.

@@ -37,6 +37,11 @@ impl Task {
         self.lower.as_slice() == self.upper.as_slice()
     }
 
+    /// Returns whether a row is an equation.
+    pub fn has_equations(&self) -> bool {
+        self.lower.iter().zip(self.upper.iter()).any(|(lower, upper)| lower == upper)
+    }
+
     /// Returns the index of the first row that no finite velocity satisfies, or whose bound is NaN.
     fn empty_row(&self) -> Option<usize> {
         let (lower, upper) = (self.lower.as_slice(), self.upper.as_slice());

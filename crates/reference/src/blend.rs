@@ -138,10 +138,10 @@ fn row_regularity(hierarchy: &Hierarchy, levels: &[Level], x: &Vector) -> f64 {
     if rows.is_empty() { f64::INFINITY } else { Svd::new(&M).smallest() }
 }
 
-/// Returns the distance to the nearer bound, relative to half the width between the bounds, at most 1.
+/// Returns the distance to the nearer bound, relative to half the width between the bounds, at most [`WIDEST`], and at most 1.
 fn room(value: f64, lower: f64, upper: f64) -> f64 {
     let half_width = 0.5 * (upper - lower);
-    let half_width = if half_width.is_finite() { half_width } else { HALF_WIDTH };
+    let half_width = if half_width.is_finite() { half_width.min(WIDEST) } else { HALF_WIDTH };
     let distance = (value - lower).min(upper - value).max(0.0);
     if distance == 0.0 { 0.0 } else { (distance / half_width).min(1.0) }
 }

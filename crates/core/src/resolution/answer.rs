@@ -183,8 +183,8 @@ fn report_task(
     };
     let missing = || outcome.achieved.as_slice().iter().zip(bounds()).map(missing);
     let square: f64 = missing().map(|missing| missing * missing).sum();
-    let underflows = square < f64::MIN_POSITIVE / f64::EPSILON;
-    outcome.residual_norm = if underflows { missing().fold(0.0, f64::hypot) } else { square.sqrt() };
+    let is_exact = square >= f64::MIN_POSITIVE / f64::EPSILON && square.is_finite();
+    outcome.residual_norm = if is_exact { square.sqrt() } else { missing().fold(0.0, f64::hypot) };
     outcome.rank = known.rank;
     outcome.algorithmic = known.algorithmic;
     outcome.scale = task.scaled.then_some(1.0);

@@ -209,16 +209,17 @@ impl Hierarchy {
         self.row(row).iter().zip(x).map(|(a, x)| a * x).sum()
     }
 
-    /// Returns the size of the numbers whose differences are the residuals of a level, at a point with this norm.
-    pub fn size(&self, level: &Level, speed: f64) -> f64 {
-        let bounds = self.rows[level.rows()].iter().flat_map(|row| [row.lower, row.upper]);
-        let square: f64 = bounds.filter(|bound| bound.is_finite()).map(|bound| bound * bound).sum();
-        level.norm * speed + square.sqrt()
+    /// Returns the size of the numbers whose differences are the residuals of a level. A bound that is far away is none of them.
+    fn size(&self, level: &Level, solution: &Solution) -> f64 {
+        let length = |entries: &[f64]| dot(entries, entries).sqrt();
+        let values = self.rows[level.rows()].iter().zip(&solution.row_values[level.rows()]);
+        let square: f64 = values.map(|(row, value)| value.max(row.lower).min(row.upper).powi(2)).sum();
+        level.norm * (length(&solution.x) + length(&self.reference)) + square.sqrt()
     }
 
     /// Returns the rows of a level that a solution misses by more than rounding, and by how much.
     pub fn missing_rows(&self, solution: &Solution, level: &Level) -> impl Iterator<Item = (usize, f64)> {
-        let rounding = TOLERANCES.proof_weight * self.size(level, dot(&solution.x, &solution.x).sqrt());
+        let rounding = TOLERANCES.proof_weight * self.size(level, solution);
         let missing = |row: usize| {
             let (value, demand) = (solution.row_values[row], &self.rows[row]);
             (row, (value - demand.upper).max(demand.lower - value))
@@ -241,13 +242,7 @@ impl Hierarchy {
     pub fn settle(&self, solution: &mut Solution, other: &Solution) {
         for (x, (lower, upper)) in solution.x.iter_mut().zip(self.bounds()) {
             // Not a number stays one: the answer is then refused.
-            *x = if *x < lower {
-                lower
-            } else if *x > upper {
-                upper
-            } else {
-                *x
-            };
+            *x = x.clamp(lower, upper);
         }
         let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
             if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }

@@ -165,7 +165,9 @@ impl PlanRun {
             Step::Levels => {
                 if !singularities.is_regular {
                     let least = factors.threshold().max(factors.fading_threshold());
-                    match engine.factorized(levels).regular_solution(least) {
+                    // Damping leaves inequality tasks out, also their rows that are equations. The factorisation has those rows.
+                    let mixes = tasks.iter().any(|task| !task.is_equation() && task.has_equations());
+                    match engine.factorized(levels).regular_solution(least).filter(|_| !mixes) {
                         // What a task cannot influence at all counts as damped.
                         Some((x, true)) => aim_at(problem, x, targets),
                         Some(_) => {}

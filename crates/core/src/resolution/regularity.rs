@@ -180,10 +180,13 @@ fn smooth(ratio: f64) -> f64 {
     ratio * ratio * (3.0 - 2.0 * ratio)
 }
 
-/// Returns the distance to the nearer bound, relative to half the width between the bounds, at most 1.
+/// Half width of the widest box that counts, rad/s: no joint of an arm is as fast.
+pub const WIDEST: f64 = 10.0;
+
+/// Returns the distance to the nearer bound, relative to half the width between the bounds, at most [`WIDEST`], and at most 1.
 fn room(value: f64, lower: f64, upper: f64) -> f64 {
     let half_width = 0.5 * (upper - lower);
-    let half_width = if half_width.is_finite() { half_width } else { HALF_WIDTH };
+    let half_width = if half_width.is_finite() { half_width.min(WIDEST) } else { HALF_WIDTH };
     let distance = (value - lower).min(upper - value).max(0.0);
     if distance == 0.0 { 0.0 } else { (distance / half_width).min(1.0) }
 }

@@ -4,11 +4,8 @@ use revprio_problem::Damping;
 
 use super::engine::Engine;
 use super::hierarchy::{Demand, Hierarchy};
-use super::regularity::HALF_WIDTH;
+use super::regularity::{HALF_WIDTH, WIDEST};
 use super::solution::{Certainty, Solution, Start, WorkingSet, refill};
-
-/// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
-const WIDEST: f64 = 10.0;
 
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
 const KEPT: f64 = 60.0;

@@ -2,6 +2,8 @@
 
 use revprio_problem::Side;
 
+use crate::tolerances::TOLERANCES;
+
 /// The active bounds: those of unknowns, and those of inequality rows. Equations are always active and not listed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct WorkingSet {
@@ -60,6 +62,16 @@ impl Default for Certainty {
 }
 
 impl Certainty {
+    /// Returns whether the optimality conditions hold up to a residual that is certified.
+    pub fn is_certified(&self) -> bool {
+        self.is_optimal && self.kkt_residual <= TOLERANCES.certified
+    }
+
+    /// Returns whether another solution is less sure.
+    pub fn is_better_than(&self, other: &Self) -> bool {
+        (self.is_optimal, other.kkt_residual) > (other.is_optimal, self.kkt_residual)
+    }
+
     /// Adds that of another solution on the way to the same answer.
     pub fn add(&mut self, other: &Self) {
         self.is_optimal &= other.is_optimal;

@@ -5,6 +5,7 @@
 
 mod bulk;
 mod continuity;
+mod distant_bounds;
 mod equations;
 mod extremes;
 mod inequalities;

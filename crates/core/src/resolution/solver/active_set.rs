@@ -65,6 +65,7 @@ impl<const N: usize> ActiveSetSolver<N> {
             self.cascade.reserve(problem.unknowns, problem.rows.len());
         }
         self.solved.rank_tolerance = TOLERANCES.rank;
+        solution.is_last_resort = false;
         let guess = start.guess.filter(|guess| !guess.is_empty());
         let (rung, mut met_uncertain_rank) = self.attempt(problem, guess, start.is_factorized, solution);
         let mut tried = solution.certainty.working_sets;
@@ -74,17 +75,30 @@ impl<const N: usize> ActiveSetSolver<N> {
             self.count_again(Rung::WithoutGuess, solution);
             tried += solution.certainty.working_sets;
         }
+        let mut best = (TOLERANCES.rank, solution.certainty);
         for tolerance in TOLERANCES.uncertain_rank {
-            if solution.certainty.is_optimal || !met_uncertain_rank {
+            if best.1.is_certified() || !met_uncertain_rank {
                 break;
             }
-            self.solved.rank_tolerance = tolerance;
-            self.attempt(problem, None, false, solution);
-            self.count_again(Rung::LargerRankTolerance, solution);
+            self.try_again(problem, tolerance, solution);
             tried += solution.certainty.working_sets;
-            solution.certainty.rank_uncertain = true;
+            if solution.certainty.is_better_than(&best.1) {
+                best = (tolerance, solution.certainty);
+            }
+        }
+        if self.solved.rank_tolerance > best.0 {
+            self.try_again(problem, best.0, solution);
+            tried += solution.certainty.working_sets;
         }
         solution.certainty.working_sets = tried;
+    }
+
+    /// Solves the problem from the empty set with another tolerance for ranks.
+    fn try_again(&mut self, problem: &ProblemRows<N>, tolerance: f64, solution: &mut Solution) {
+        self.solved.rank_tolerance = tolerance;
+        self.attempt(problem, None, false, solution);
+        self.count_again(Rung::LargerRankTolerance, solution);
+        solution.certainty.rank_uncertain = true;
     }
 
     /// Factorises the equations of a problem without limits, without active inequality rows.
@@ -143,7 +157,7 @@ impl<const N: usize> ActiveSetSolver<N> {
         }
         self.rungs[rung].answered += u64::from(self.conditions.are_met());
         self.write(problem, solution, tried);
-        solution.is_last_resort = rung == Rung::LastResort;
+        solution.is_last_resort |= rung == Rung::LastResort;
         (rung, met_uncertain_rank)
     }
 

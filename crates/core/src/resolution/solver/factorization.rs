@@ -245,6 +245,8 @@ impl<const N: usize> Factorization<N> {
 
     /// Takes rows of a level as coordinates, the longest first, while their squared length exceeds `least`.
     fn take_pivots(&mut self, k: usize, least: f64) -> Pivots {
+        // A row whose square is subnormal counts as zero: its inverse overflows.
+        let least = least.max(f64::MIN_POSITIVE / f64::EPSILON);
         let most = self.max_rank(k);
         let Self { spans, rows, free, pivots, y, .. } = self;
         let (span, first) = (&mut spans[k], pivots.len());

@@ -15,7 +15,7 @@ pub enum Rung {
     Cascade,
     /// One change at a time.
     LastResort,
-    /// All of them once more, from the empty set, because a guess met an uncertain rank or found no answer.
+    /// All of them once more, from the empty set, because a guess met an uncertain rank.
     WithoutGuess,
     /// All of them once more, with a larger tolerance for ranks.
     LargerRankTolerance,

@@ -208,10 +208,10 @@ impl<const N: usize> Cascade<N> {
     /// Returns the size of a residual of the level.
     fn size(&self, problem: &ProblemRows<N>, level: usize) -> f64 {
         let Some(size) = problem.levels.get(level) else { return self.x.norm() + problem.reference.norm() };
-        let finite = |bound: f64| if bound.is_finite() { bound.abs() } else { 0.0 };
         let rows = &self.constraints[problem.unknowns..][size.rows()];
-        let bounds = rows.iter().map(|row| finite(row.lower).max(finite(row.upper)));
-        bounds.fold(0.0, f64::max) + size.norm * self.x.norm()
+        // A bound that is far away says nothing about the residual.
+        let wanted = rows.iter().map(|row| row.value.max(row.lower).min(row.upper).abs());
+        wanted.fold(0.0, f64::max) + size.norm * self.x.norm()
     }
 
     /// Moves to the optimum of the level.
