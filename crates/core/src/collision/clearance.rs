@@ -7,7 +7,8 @@
 //! > d ≥ min(d_a, y_b(n_a)) − s − c,
 //!
 //! where s bounds how far a point strays because joints do not move uniformly, Σ_j ρ_j s_j, and c how far it leaves the chord of a
-//! uniform motion of the joints (see [`Levers`](revprio_robot::collision::Levers)): n_a separates the shapes at both ends by so much, a linear function is between
+//! uniform motion of the joints (see [`Levers`](revprio_robot::collision::Levers)), and by how much an obstacle leaves its chord while
+//! the lag settles, ½ Δt × its speed: n_a separates the shapes at both ends by so much, a linear function is between
 //! its values on the chord, and a direction never separates by more than the distance. The same holds with n_b. A pair
 //! whose distance exceeds d_min by more than it can move in the rest of the way needs no samples.
 //!

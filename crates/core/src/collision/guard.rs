@@ -305,7 +305,7 @@ impl CollisionGuard {
             return Some(longest);
         }
         let shortest = spare_time(self.period);
-        let longest = longest.min(shortest.max(LONGEST_HOLD));
+        let longest = longest.min(shortest.max(LONGEST_HOLD)).min(MAX_STOP_PERIODS as f64 * self.period);
         let Some(refused) = self.refused_after(moment, command, longest) else { return Some(longest) };
         // A hold that lasts until then has the same way until then.
         let longest = longest.min(refused - self.drive.delay_periods as f64 * self.period);

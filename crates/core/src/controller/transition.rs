@@ -60,7 +60,7 @@ impl Controller {
     ///
     /// `memory` is that of the last step of `previous`, and `joint_position` (n, rad or m) the posture of that step. Laws
     /// that integrate continue from the velocity that the last command gives their task at the position of rest. Streamed
-    /// targets and progress stay with the name of their task. The initial pose stays: a task without a target holds the pose
+    /// targets and progress stay with the name of their task; another target velocity or force takes the place of the streamed ones. The initial pose stays: a task without a target holds the pose
     /// of the very first step.
     pub fn continue_from(
         &self,
@@ -122,12 +122,19 @@ fn task_index(config: &ControllerConfig, name: &str) -> Option<usize> {
     config.tasks.iter().position(|task| task.name == name)
 }
 
-/// Returns the streams of the tasks that stay with the same rows.
+/// Returns the streams of the tasks that stay with the same rows. A target velocity or force that changes takes the place of those that
+/// states have brought; the target of a position is one of the rows.
 fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<TargetStream> {
     let kept = |stream: &TargetStream| {
         let follower = &old.tasks[stream.task];
         let task = task_index(new, &follower.name).filter(|&task| new.tasks[task].rows == follower.rows)?;
-        Some(TargetStream { task, ..stream.clone() }).filter(|stream| fits_task(stream, new))
+        let (law, settings) = (&new.tasks[task].law, &new.tasks[task].streaming);
+        if !stream.quantity.is_position() && law.target() != follower.law.target() {
+            return None;
+        }
+        let mut kept = TargetStream { task, ..stream.clone() };
+        kept.change_delay(follower.streaming.delay_s, settings.delay_s);
+        Some(kept).filter(|stream| fits_task(stream, new))
     };
     let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
     streams.sort_by_key(|stream| (stream.task, stream.quantity));

@@ -14,7 +14,7 @@ use super::task_vector::TaskVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceLaw {
     gains: Gains,
-    target_force: Profile,
+    pub(super) target_force: Profile,
 }
 
 impl ForceLaw {

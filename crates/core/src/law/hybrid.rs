@@ -16,7 +16,7 @@ use super::task_vector::TaskVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct HybridLaw {
     gains: Gains,
-    target_force: Profile,
+    pub(super) target_force: Profile,
     position_controlled: Vec<bool>,
 }
 

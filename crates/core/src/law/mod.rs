@@ -145,6 +145,17 @@ impl Law {
         TaskVector::from_fn(integrator.len(), |row| integrator[row] + acceleration[row] * period)
     }
 
+    /// Returns the velocity or the force over time that streamed targets replace; `None` for laws of positions and bounds.
+    pub fn target(&self) -> Option<&Profile> {
+        match self {
+            Self::Velocity(profile) => Some(profile),
+            Self::Force(law) => Some(&law.target_force),
+            Self::Hybrid(law) => Some(&law.target_force),
+            Self::Contact(law) => Some(law.target_force()),
+            Self::Bounds(_) | Self::Position(_) | Self::Impedance(_) => None,
+        }
+    }
+
     /// Returns F_d at time t, N and N·m; `None` on rows that follow no force.
     pub fn target_force(&self, time_s: f64) -> TargetForce {
         match self {

@@ -283,10 +283,10 @@ fn max_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
     max_speed_after(limits, distance, stopping_reaction_time(limits, period))
 }
 
-/// Returns the maximum speed of a command from which full braking, a T less in each period, stops a joint within `distance`
-/// and δ more; zero beyond that.
+/// Returns the maximum speed of a command from which full braking, a T less in each period, stops a joint within `distance`, δ and A T²/8
+/// more; zero beyond that.
 fn max_braking_speed(limits: &JointLimits, distance: f64, period: f64) -> f64 {
-    // The commands v, v − a T, … move it by v²/2a + v T/2.
+    // The commands v, v − a T, … move it by v²/2a + v T/2 + a T²/8 at most; the last term is left out.
     max_speed_after(limits, (distance + NOISE_TOLERANCE).max(0.0), 0.5 * period + limits.envelope.reaction_time())
 }
 

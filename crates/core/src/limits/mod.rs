@@ -33,7 +33,7 @@
 //! could still stop if it had no drive.
 //!
 //! Noise of the measured position and lost states can demand more than full braking as well. If full braking from then on ends
-//! within δ = 0.5 mrad (0.5 mm) more distance, it is allowed. Let the error be at most ε ≤ δ/2. Then v τ + v²/2A ≤ max(0, d + ε) after every command,
+//! within δ = 0.5 mrad (0.5 mm) and A T²/8 more distance, it is allowed. Let the error be at most ε ≤ δ/2. Then v τ + v²/2A ≤ max(0, d + ε) after every command,
 //! for the true d: the box of the measured distance ensures it, and full braking keeps it, as above. As d + ε is at most
 //! the measured distance + 2 ε, full braking is always allowed, and no limits contradict each other.
 //!

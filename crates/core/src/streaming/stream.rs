@@ -175,12 +175,21 @@ impl TargetStream {
         motion.map_or_else(|| self.reference.clone(), |motion| self.chunk.faded(motion, time_s))
     }
 
-    /// Forgets the targets if the clock of the states went back, and actions that are past. The actions that are left after a time that was
+    /// Continues with another delay: the times of the actions of chunks have the old one in them.
+    pub(crate) fn change_delay(&mut self, old_s: f64, new_s: f64) {
+        if let Some(newest) = self.newest.as_mut().filter(|_| !self.chunk.actions.is_empty()) {
+            newest.time_s += old_s - new_s;
+        }
+    }
+
+    /// Forgets the targets if the clock of the states went back by `back` (s), and actions that are past. The actions that are left after a time that was
     /// too late by mistake count as those of another clock: the first one is never later than the state with which they came.
-    pub(crate) fn forget(&mut self, time_s: f64) {
+    pub(crate) fn forget(&mut self, time_s: f64, back: f64, settings: &Streaming) {
         let newest_s = self.newest.as_ref().map(|newest| newest.time_s);
         let known_s = if self.chunk.actions.is_empty() { newest_s } else { self.chunk.known_s() };
-        if known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD) {
+        // Newer targets would count as older ones for longer than a target is extrapolated.
+        let is_stale = back > settings.hold_after_s.max(MIN_INTERVAL);
+        if is_stale || known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD) {
             (self.newest, self.previous) = (None, None);
             self.ahead.clear();
             self.chunk.forget();

@@ -508,6 +508,26 @@ fn the_ramp_that_presses_less_is_told() {
     }
 }
 
+/// The surface may stand by now: nobody knows before the next touch.
+#[test]
+fn the_speed_of_a_lost_surface_lengthens_no_hold() {
+    let robot = panda();
+    let settings = ContactSettings { stiffest: 1e5, ..ContactSettings::default() };
+    let q = [0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8];
+    let mut world = World::new(&robot, &q, press_down(&robot, settings), &[]);
+    world.run(0.5, 1);
+    let mut held = |receding: f64| {
+        let memory = world.memory.clone();
+        world.memory.as_mut().unwrap().contacts[0].motion.velocity = receding;
+        let hold = world.answer().1;
+        world.memory = memory;
+        hold.time_s
+    };
+    let [standing, receding] = [0.0, 0.05].map(&mut held);
+    assert!(standing < 0.05, "{standing}");
+    assert_eq!(receding, standing);
+}
+
 /// A tare in such a moment would take the force of the surface for a bias. That of a sensor in free space looks like a contact for ever.
 #[test]
 fn a_tool_presses_surely_before_the_contact_is_held_and_never_with_a_bias() {

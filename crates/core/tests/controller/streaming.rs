@@ -367,6 +367,63 @@ fn a_clock_that_goes_back_ends_the_stream_until_the_next_target() {
     assert_eq!((report.state, report.age_s, report.ignored), (TargetState::Following, Some(0.0), None));
 }
 
+/// Newer targets seem older then. An operator who lets go must not wait until the clock has caught up.
+#[test]
+fn a_streamed_velocity_ends_when_the_clock_goes_back() {
+    let task = along_x(Law::Velocity(constant(&[0.0])));
+    let mut run = Run::new(task, PERIOD);
+    let mut at = |time_s: f64, velocity: f64| {
+        let value = StreamedValue::Velocity(vec![velocity]);
+        let target = StreamedTarget { task: 0, time_s, value, velocity: None, ahead: Vec::new() };
+        let measured = Measurement { time_s, targets: vec![target], ..measurement(&run.q) };
+        run.stepper.step(&mut run.memory, &measured).unwrap().targets[0].velocity[0]
+    };
+    for k in 0..500 {
+        at(100.0 + f64::from(k) * PERIOD, 0.3);
+    }
+    let back = 100.0 + 500.0 * PERIOD - 0.9;
+    let last = (0..300).map(|k| at(back + f64::from(k) * PERIOD, 0.0)).last().unwrap();
+    assert!(last < 1e-3, "{last} m/s");
+}
+
+/// While states are missing, the arm goes on with its command, and so does what it follows.
+#[test]
+fn missing_states_do_not_disturb_a_uniform_motion() {
+    for missing in [1, 10, 40] {
+        let task = along_x(position(1, 8.0));
+        let mut run = Run::new(task.clone(), PERIOD);
+        run.follow(&task, 3.0, 1.0 / 50.0, 0.0, |t| (0.5 * t, None));
+        let mut time = run.time();
+        let mut step = |time: f64, q: &mut [f64]| {
+            let target = target_at(&task, time, 0.5 * time, None);
+            let measured = Measurement { time_s: time, targets: vec![target], ..measurement(q) };
+            let velocity = run.stepper.step(&mut run.memory, &measured).unwrap().resolution.joint_velocity[0];
+            q[0] += PERIOD * velocity;
+            velocity
+        };
+        let mut q = run.q.clone();
+        let before = step(time, &mut q);
+        q[0] += f64::from(missing) * PERIOD * before;
+        time += f64::from(missing) * PERIOD;
+        for k in 1..=500 {
+            let velocity = step(time + f64::from(k) * PERIOD, &mut q);
+            assert!((velocity - 0.5).abs() < 1e-3, "{missing} missing, period {k}: {velocity} m/s");
+        }
+    }
+}
+
+/// The arm stands on the first target, far from the target of its law.
+#[test]
+fn a_stream_starts_where_the_arm_is() {
+    let mut run = Run::new(posture(5.0), PERIOD);
+    run.q[0] = 0.5;
+    for k in 0..100 {
+        let time_s = f64::from(k) * PERIOD;
+        let target = target_at(&posture(5.0), time_s, 0.5, None);
+        assert_eq!(run.step(Some(target)).asked, 0.0, "period {k}");
+    }
+}
+
 /// A stream of targets that jump, come late or not at all.
 fn hostile_stream() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     // Interval, lateness and value of each target.

@@ -9,6 +9,7 @@ use revprio_core::controller::{
 use revprio_core::law::Law;
 use revprio_core::limits::{Drive, LimitKind, VelocityBox};
 use revprio_core::resolution::{Method, Solver};
+use revprio_core::streaming::{StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 
@@ -277,6 +278,30 @@ fn what_belongs_to_the_arm_cannot_change() {
     let damaged = Memory { last_command: memory.last_command.clone() * f64::NAN, ..memory.clone() };
     let error = old.continue_from(&old, &damaged, &q).unwrap_err();
     assert_eq!(error, TransitionError::Memory(MemoryError::LastCommand));
+}
+
+/// Another target of the controller takes the place of a streamed velocity or force.
+#[test]
+fn a_stream_ends_with_another_target_of_the_controller() {
+    let config = |law| {
+        let task = TaskConfig { name: "steer".to_owned(), ..task(&[Axis::X], law) };
+        Controller::new(ControllerConfig::new(robot("panda"), PERIOD, vec![task])).unwrap()
+    };
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let velocity = |value: f64| Law::Velocity(constant(&[value]));
+    let force = |value: f64| force(&[Axis::X], &[value]);
+    let cases: [(&dyn Fn(f64) -> Law, StreamedValue); 2] =
+        [(&velocity, StreamedValue::Velocity(vec![0.02])), (&force, StreamedValue::Force(vec![3.0]))];
+    for (law, value) in cases {
+        let old = config(law(0.0));
+        let target = StreamedTarget { task: 0, time_s: 0.0, value, velocity: None, ahead: Vec::new() };
+        let mut memory = None;
+        let measured = Measurement { targets: vec![target], wrench: [0.0; 6], ..measurement(0, &q, &mut Random(1)) };
+        Stepper::new(old.clone()).unwrap().step(&mut memory, &measured).unwrap();
+        let streams =
+            |new: Law| config(new).continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().target_streams.len();
+        assert_eq!([streams(law(0.0)), streams(law(0.01))], [1, 0]);
+    }
 }
 
 /// A number in newtons is no opening of a gripper.

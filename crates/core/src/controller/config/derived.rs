@@ -162,7 +162,7 @@ impl ControllerConfig {
 
     /// Allocates the arm that the periods of the controller update.
     ///
-    /// The posture of rest differs behind a drive that does not follow at once. Laws that follow no position, without planes and
+    /// The posture of rest differs behind a drive that does not follow at once. Laws that follow no position, without planes, distances and
     /// null-space motions, act on the measured posture: their equations then are those of the literature.
     pub(in crate::controller) fn allocate_arm(&self) -> Result<ArmState, ConfigurationError> {
         let time_to_rest = self.drive.time_to_rest(self.period_s);

@@ -71,7 +71,7 @@ pub(super) fn record<'a>(
     stalls::update(memory, config, position, in_time, &mut command.stalled);
     update_rest(
         memory,
-        (config, arm, in_time),
+        (config, arm),
         (gains, makes_way(config, measurement, (problem, &command.resolution))),
         &command.resolution.joint_velocity,
     );
@@ -120,23 +120,20 @@ fn makes_way(
 /// Updates how the joints turn and what the tasks gained. The memory is that before the command, n.
 fn update_rest(
     memory: &mut Memory,
-    (config, arm, in_time): (&ControllerConfig, &ArmState, bool),
+    (config, arm): (&ControllerConfig, &ArmState),
     (gains, makes_way): (&Gains, bool),
     command: &Vector,
 ) {
     if !config.comes_to_rest() {
         return;
     }
-    let Memory { rest, progress, answered, .. } = memory;
+    let Memory { rest, progress, .. } = memory;
     let rest = rest.get_or_insert_with(|| RestState::new(command.len(), config.tasks.len()));
     rest.tasks.clone_from(&gains.tasks);
-    let before = answered.as_ref().filter(|_| in_time);
-    let position = arm.measured().configuration.joint_position();
+    // Not by its own way while states were missing.
+    let moved = arm.moved.iter().zip(&arm.missed_way).map(|(moved, missed)| moved - missed);
     let targets_change = gains.has_new_target || are_moving(gains.way, config.period_s);
-    if targets_change
-        || makes_way
-        || before.is_some_and(|before| has_jumped(position, before.joint_position.as_slice()))
-    {
+    if targets_change || makes_way || has_jumped(moved) {
         rest.restart();
     }
     if !progress.iter().any(|progress| progress.is_leaving(arm.time_s)) {

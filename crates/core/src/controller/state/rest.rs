@@ -29,13 +29,12 @@
 //!
 //! # What remains
 //!
-//! *Claim.* Let the targets and the obstacles rest. From any time on, let W reach l for the k-th time at t_k. Then t_{k+1} − t_k ≥ c τ_0 2^k for some c > 0
-//! and all k above some k_0, and while W ≥ l all requests are zero: the joints rest. So the share of time in which joints turn
-//! at a price goes to zero, as log t/t.
+//! *Claim.* Let the targets and the obstacles rest, and let nothing start anew. From any time on, what joints pay in a time t, each payment
+//! counted as far as W takes it, is at most (l + l_0)(1 + t/τ) + κ Σ e, with the τ and the e at the start. While W ≥ l all requests are zero.
+//! So the rate of paying is halved each time W has reached l, until k is at its largest.
 //!
-//! *Proof.* e* never grows while d = 0, so Σ g over all time is at most Σ e at the start, and from some time on what is left of it is less
-//! than any number. Then W falls by forgetting alone: from l to l − δ it takes at least δ τ/l. With W > l − δ, requests are at most
-//! δ/l_0 of what they were. ∎
+//! *Proof.* W stays between 0 and l + l_0, and τ never falls. e* never grows while d = 0, so Σ g is at most Σ e. What is paid is the change
+//! of W, what is forgotten, ∫ W/τ, and κ Σ g. ∎
 //!
 //! What has no price remains: commands that change by at most ε, and joints that turn by at most h with less than ε.
 //!
@@ -75,7 +74,7 @@ const FADING: f64 = 0.3;
 /// What may be spent beyond l, so that a little progress does not wake an arm at once.
 const BEYOND: f64 = 0.6;
 
-/// τ_0, s, and the largest k: three years.
+/// τ_0, s, and the largest k: two and a half years.
 const FORGETTING: (f64, u32) = (600.0, 17);
 
 /// Way of a target in one period from which on it is another target, m or rad.
@@ -185,9 +184,9 @@ pub(in crate::controller) fn are_moving(way: f64, period: f64) -> bool {
     way > TARGET_SPEED * period
 }
 
-/// Returns whether an arm is elsewhere than one period before (n each).
-pub(in crate::controller) fn has_jumped(position: &[f64], before: &[f64]) -> bool {
-    position.iter().zip(before).any(|(now, before)| (now - before).abs() > ARM_JUMP)
+/// Returns whether an arm that has moved so far since the state before is elsewhere.
+pub(in crate::controller) fn has_jumped(moved: impl IntoIterator<Item = f64>) -> bool {
+    moved.into_iter().any(|way| way.abs() > ARM_JUMP)
 }
 
 impl JointTurns {

@@ -1,6 +1,6 @@
 //! What an impact costs at least, and the approach speed that follows from it.
 //!
-//! No controller reacts before a reading exceeds the noise, and none brakes harder than a. Until the reading and the reaction the
+//! No controller reacts before a reading exceeds the noise, and these brake with a, the acceleration of this law, at most. Until the reading and the reaction the
 //! tool moves on at v, and then its velocity follows the command v − a t with the lag L:
 //!
 //! F = K (v τ + v t − a (½ t² − L t + L² (1 − e^(−t/L)))), τ = t_det + (D + ½) T,
@@ -36,7 +36,7 @@ fn time_behind_lag(lag: f64, c: f64) -> f64 {
     time
 }
 
-/// Returns the peak force that no controller can avoid at a speed (m/s), N, in a contact of the stiffness K (N/m), if the contact
+/// Returns the peak force that no controller can avoid that brakes with a, at a speed (m/s), N, in a contact of the stiffness K (N/m), if the contact
 /// begins at the worst moment of a period; `acceleration`: a, m/s².
 pub fn unavoidable_peak(
     settings: &ContactSettings,

@@ -26,7 +26,7 @@ pub struct ContactReport {
     pub energy: f64,
     /// v_app, m/s.
     pub approach_speed: f64,
-    /// Peak force that no controller avoids at this approach speed in the stiffest contact, N.
+    /// Peak force that no controller avoids that brakes with the acceleration of this law, at this approach speed in the stiffest contact, N.
     pub unavoidable_peak: f64,
     /// The normal of the surface; `None`: the law does not follow it.
     pub normal: Option<NormalReport>,

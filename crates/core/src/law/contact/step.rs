@@ -470,7 +470,7 @@ impl Step<'_> {
             } else {
                 0.0
             },
-            surface_velocity: axis.motion.velocity,
+            surface_velocity: if axis.phase == ContactPhase::Approach { 0.0 } else { axis.motion.velocity },
             energy: (self.tank() - axis.spent).max(0.0),
             approach_speed: speed,
             unavoidable_peak: unavoidable_peak(settings, self.timing, terms, speed),

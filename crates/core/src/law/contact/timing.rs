@@ -37,7 +37,7 @@ pub struct ContactTiming {
     pub dead_time: f64,
     /// τ_f, time constant of the force sensor.
     pub sensor_lag: f64,
-    /// τ_d = L + (D + 1) T + τ_f, reaction time.
+    /// τ_d = L + (D + 1) T + τ_f and the time in which the joints change their acceleration, reaction time.
     pub reaction: f64,
     /// τ_c, time constant of the contact.
     pub contact: f64,

@@ -97,7 +97,7 @@ proptest! {
                 }
             }
             now += gap;
-            stream.forget(now);
+            stream.forget(now, 0.0, &Streaming::default());
         }
     }
 
@@ -107,7 +107,7 @@ proptest! {
         merge(&mut stream, &actions(0.0, 0.04, walk(&steps)), 0.0).unwrap();
         let whole = stream.clone();
         let time = share * 0.04 * (steps.len() - 1) as f64;
-        stream.forget(time);
+        stream.forget(time, 0.0, &Streaming::default());
         for later in [0.0, 0.013, 0.04, 0.3] {
             prop_assert_eq!(stream.followed(time + later), whole.followed(time + later));
         }
@@ -185,9 +185,9 @@ fn the_number_of_kept_actions_is_bounded() {
 fn a_clock_that_goes_back_ends_a_chunk() {
     let mut stream = stream(Quantity::JointPosition, rows(&[0.0]));
     merge(&mut stream, &actions(5.0, 0.1, (0..30).map(|_| rows(&[1.0]))), 5.0).unwrap();
-    stream.forget(4.5);
+    stream.forget(4.5, 0.0, &Streaming::default());
     assert!(!stream.chunk.actions.is_empty());
-    stream.forget(3.9);
+    stream.forget(3.9, 0.0, &Streaming::default());
     assert_eq!((stream.newest.clone(), &stream.chunk), (None, &Chunk::default()));
 }
 
@@ -200,7 +200,7 @@ fn a_reference_keeps_its_bounds_over_chunks() {
     for k in 0..500_u32 {
         let now = f64::from(k) * PERIOD;
         stream.advance(PERIOD);
-        stream.forget(now);
+        stream.forget(now, 0.0, &Streaming::default());
         if k % 40 == 0 && k % 120 != 80 {
             let target = if k % 80 == 0 { 0.4 } else { -0.3 };
             merge(&mut stream, &actions(now - 0.2, 0.05, (0..20).map(|_| rows(&[target]))), now).unwrap();
@@ -213,4 +213,14 @@ fn a_reference_keeps_its_bounds_over_chunks() {
         );
         before = velocity;
     }
+}
+
+/// The last action is due at the same time, whatever the delay was when it came.
+#[test]
+fn another_delay_leaves_the_end_of_a_chunk_where_it_is() {
+    let mut stream = stream(Quantity::JointPosition, rows(&[0.0]));
+    merge(&mut stream, &actions(0.0, 0.1, (0..10).map(|k| rows(&[0.1 * f64::from(k)]))), 0.0).unwrap();
+    let age = stream.age(0.5).unwrap();
+    stream.change_delay(0.0, 0.3);
+    assert!((stream.age(0.5).unwrap() - 0.3 - age).abs() < 1e-12);
 }

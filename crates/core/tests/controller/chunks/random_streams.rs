@@ -149,8 +149,13 @@ fn run(seed: u64) -> Use {
                 found.reference = found.reference.max(change.sum::<f64>().sqrt() / (bound * period));
             }
         }
-        if let Some(stream) = streams.first() {
-            reference.copy_from_slice(&stream.reference.velocity);
+        match (streams.first(), &memory) {
+            (Some(stream), _) => reference.copy_from_slice(&stream.reference.velocity),
+            // A stream starts with the velocity that the arm has.
+            (None, Some(memory)) => {
+                reference.iter_mut().zip(&memory.task_velocities[0]).for_each(|(known, now)| *known = *now);
+            }
+            (None, None) => {}
         }
     }
     found

@@ -24,10 +24,14 @@ pub(super) fn update(
             None => streams.push(ActiveStream::new(stream.clone())),
         }
     }
+    let answered = previous.answered.as_ref();
+    let back = answered.map_or(0.0, |answered| answered.time_s - arm.time_s);
+    // While states are missing, the arm goes on with its command as long as that is valid.
+    let held = answered.map_or(0.0, |answered| (answered.valid_for_ms as f64 / 1e3 - config.period_s).max(0.0));
     for active in &mut *streams {
         (active.ignored, active.merged) = (None, None);
-        active.stream.advance(config.period_s);
-        active.stream.forget(arm.time_s);
+        active.stream.advance(config.period_s + arm.missed_time.min(held));
+        active.stream.forget(arm.time_s, back, &config.tasks[active.stream.task].streaming);
     }
     for target in targets {
         accept(streams, target, previous, arm, config);
@@ -107,7 +111,8 @@ fn merge(
     None
 }
 
-/// Returns the index of the stream of a task and quantity, which starts at the target of the configuration if there is none.
+/// Returns the index of the stream of a task and quantity. One that is not there yet starts where the arm is. A law with a spring starts at
+/// its own target, so that it keeps a contact.
 fn found_or_started(
     streams: &mut Vec<ActiveStream>,
     key: (usize, Quantity),
@@ -121,6 +126,9 @@ fn found_or_started(
         let reference = if quantity == Quantity::Force {
             let force = law.target_force(arm.profile_time(arm.time_s));
             Reference::at_rest(TargetValue::Rows(TaskVector::from_fn(rows.len(), |row| force[row].unwrap_or_default())))
+        } else if quantity.is_position() && !law.integrates() {
+            // Not at the target of the law, which may be far away.
+            rows.actual(previous.task_velocities[k].as_slice(), arm.at_rest())
         } else {
             rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice())
         };

@@ -11,7 +11,7 @@
 //! in its box but for rounding, and an arm at rest would swing between both for ever.
 //!
 //! Joints that each arrive as fast as they can do not arrive together: on the way they would move what a higher task holds, for the sake of
-//! a lower one. So if the second solution loses of a task that is not the lowest what the first one achieves, the period is solved once
+//! a lower one. So if the second solution achieves less of a task that is not the lowest than the first one did, the period is solved once
 //! more, and each joint may also arrive more slowly or go away from its velocity. Where the highest task whose loss differs then loses less,
 //! it is the answer: the order of the tasks decides which joints wait. It is not used where an inequality acts.
 //!

@@ -150,8 +150,9 @@ impl Holding<'_> {
                 return Some(shortest);
             }
             let along = axis.along(command, config, tasks);
-            // A tool that follows a surface presses no harder.
-            let speed = along - axis.memory.motion.velocity.max(0.0);
+            // A tool that follows a surface presses no harder. One that has lost it may meet it at rest.
+            let is_held = axis.memory.phase == ContactPhase::Contact;
+            let speed = along - if is_held { axis.memory.motion.velocity.max(0.0) } else { 0.0 };
             let acceleration = self.held.as_ref().map_or(0.0, |held| held.acceleration(axis, command, along));
             let time = time_of_way(axis.target / stiffness, speed, (acceleration, self.time_to_rest(command)));
             time.map(|time| time.max(shortest))

@@ -84,10 +84,12 @@ impl LookAhead {
         let before = previous.virtual_arm.as_ref().map_or(&[][..], |arm| &arm.target_accelerations);
         self.accelerations.resize_with(streams.len(), Vec::new);
         let blend = period / (SMOOTHING + period);
-        for (k, (active, smoothed)) in streams.iter_mut().zip(&mut self.accelerations).enumerate() {
-            let rows = active.acceleration.len();
+        for (active, smoothed) in streams.iter_mut().zip(&mut self.accelerations) {
+            let (rows, key) = (active.acceleration.len(), active.key());
+            // A stream that has started since then may have moved this one to another place.
+            let place = previous.target_streams.iter().position(|stream| (stream.task, stream.quantity) == key);
             smoothed.clear();
-            match before.get(k).filter(|before| before.len() == rows) {
+            match place.and_then(|place| before.get(place)).filter(|before| before.len() == rows) {
                 Some(before) => smoothed.extend_from_slice(before),
                 None => smoothed.resize(rows, 0.0),
             }
@@ -144,10 +146,8 @@ impl LookAhead {
 
     /// Continues from the virtual arm of the last period, or from the real one.
     fn recall(&mut self, scene: Scene) {
-        let measured = scene.arm.measured().configuration.joint_position();
-        let before = scene.previous.answered.as_ref().map(|before| before.joint_position.as_slice());
         match &scene.previous.virtual_arm {
-            Some(known) if before.is_none_or(|before| !has_jumped(measured, before)) => self.arm.copy_from(known),
+            Some(known) if !has_jumped(scene.arm.moved.iter().copied()) => self.arm.copy_from(known),
             _ => self.arm.stand_at(scene.position()),
         }
         self.arm.target_accelerations.clone_from(&self.accelerations);
