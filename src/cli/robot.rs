@@ -178,7 +178,7 @@ impl RobotArgument {
         registration: &RobotRegistration,
         overrides: &Overrides,
     ) -> Result<RobotModel, RobotArgumentError> {
-        let tips: Vec<_> = registered_tips(tips).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        let tips: Vec<_> = registered_tips(tips).map_err(|error| self.wrong_tips(error.to_string()))?;
         let options = UrdfTreeOptions {
             name: self.name.as_deref(),
             description: None,
@@ -187,7 +187,7 @@ impl RobotArgument {
             overrides: Some(overrides),
         };
         let robot = tree_from_file(&self.path, &options)?;
-        check_tip_names(&robot).map_err(|error| self.wrong_overrides(error.to_string()))?;
+        check_tip_names(&robot).map_err(|error| self.wrong_tips(error.to_string()))?;
         Ok(robot)
     }
 
@@ -226,6 +226,14 @@ impl RobotArgument {
         let Some(path) = &self.overrides else { return Ok(OverridesFile::default()) };
         let text = std::fs::read_to_string(path).map_err(|error| self.wrong_overrides(error.to_string()))?;
         json::read(text.as_bytes()).map_err(|error| self.wrong_overrides(error.to_string()))
+    }
+
+    /// Returns an error of the tips, which the overrides or the SRDF file name.
+    fn wrong_tips(&self, message: String) -> RobotArgumentError {
+        match (&self.overrides, &self.srdf) {
+            (None, Some(path)) => RobotArgumentError::Srdf { path: path.clone(), message },
+            _ => self.wrong_overrides(message),
+        }
     }
 
     fn wrong_overrides(&self, message: String) -> RobotArgumentError {

@@ -13,6 +13,7 @@ use super::out_directory::OutDirectory;
 use super::output::print_text;
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
+use super::text::quoted;
 use super::traces;
 
 #[derive(Debug, clap::Args)]
@@ -69,7 +70,8 @@ pub fn run(options: &Options) -> Result<(), CliError> {
 fn command(options: &Options, scenario: &Scenario) -> String {
     let (method, solver) = (scenario.controller.method, scenario.controller.solver);
     let stateless = if options.stateless { " --stateless" } else { "" };
-    let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
-    let service = options.service.repeated();
-    format!("revprio simulate {}{robot} --method {method} --solver {solver}{stateless}{service}", options.scenario)
+    let robot = options.robot.as_ref().map(|robot| format!(" --robot {}", quoted(&robot.to_string())));
+    let (scenario, robot) = (quoted(&options.scenario), robot.unwrap_or_default());
+    let (service, traces) = (options.service.repeated(), options.traces.repeated());
+    format!("revprio simulate {scenario}{robot} --method {method} --solver {solver}{stateless}{service}{traces}")
 }

@@ -24,16 +24,18 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
 
 /// Returns the program with these arguments as a line for a shell.
 pub fn command_line(arguments: &[OsString]) -> String {
-    let quoted = |argument: &OsString| {
-        let text = argument.to_string_lossy();
-        let is_plain = |c: char| c.is_alphanumeric() || "_-./,=:@%+".contains(c);
-        if text.chars().all(is_plain) && !text.is_empty() {
-            text.into_owned()
-        } else {
-            format!("'{}'", text.replace('\'', r"'\''"))
-        }
-    };
-    std::iter::once("revprio".to_owned()).chain(arguments.iter().map(quoted)).collect::<Vec<_>>().join(" ")
+    let arguments = arguments.iter().map(|argument| quoted(&argument.to_string_lossy()));
+    std::iter::once("revprio".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns an argument as a shell reads it.
+pub fn quoted(argument: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./,=:@%+".contains(c);
+    if argument.chars().all(is_plain) && !argument.is_empty() {
+        argument.to_owned()
+    } else {
+        format!("'{}'", argument.replace('\'', r"'\''"))
+    }
 }
 
 /// Formats rows as aligned columns; `is_number`: columns that are aligned to the right.

@@ -25,6 +25,14 @@ impl Options {
         if self.traces == [Format::Csv] { self.timings.then_some("--timings") } else { Some("--traces") }
     }
 
+    /// Returns the options of a command that repeats this one, after a space; empty for the defaults.
+    pub fn repeated(&self) -> String {
+        let formats: Vec<_> = self.traces.iter().map(ToString::to_string).collect();
+        let traces =
+            if self.traces == [Format::Csv] { String::new() } else { format!(" --traces {}", formats.join(",")) };
+        if self.timings { traces + " --timings" } else { traces }
+    }
+
     /// Writes a recording to the directory, in every format.
     pub fn write(&self, out: &Path, recording: &Recording) -> Result<(), CliError> {
         for &format in &self.traces {

@@ -6,7 +6,8 @@
 //! | `POST /v1/step` | one control period; the controller's memory is part of the request |
 //! | `GET /v1/controllers` | lists the sessions |
 //! | `POST /v1/controllers` | opens a session |
-//! | `GET`, `DELETE /v1/controllers/{id}` | shows or ends a session |
+//! | `GET`, `PUT`, `DELETE /v1/controllers/{id}` | shows a session, replaces its controller, or ends it |
+//! | `POST /v1/controllers/{id}/tare` | measures the bias of a wrench sensor |
 //! | `POST /v1/controllers/{id}/step` | one control period of a session |
 //! | `GET /v1/controllers/{id}/stream` | control periods of a session over WebSocket |
 //! | `GET /v1/controllers/{id}/watch` | server-sent events `step` with states and answers, at most 30 a second |
@@ -59,9 +60,9 @@
 //!
 //! # Owners and keys
 //!
-//! A session that is opened with the header `Revprio-Owner` is stepped only with the same header (403, `owner`).
+//! A session that is opened with the header `Revprio-Owner` is stepped and ended only with the same header (403, `owner`).
 //! Browsers, whose WebSockets send no headers, write `?revprio_owner=…` behind `/stream`. The owner token prevents
-//! mistakes between clients. It is not a secret of the service: anyone with access can still delete the session.
+//! mistakes between clients. It is not a secret of the service.
 //!
 //! A request with `Idempotency-Key` that opens a session can be repeated if its answer was lost. The same request with the
 //! same key gets the same session, as long as the session is open.

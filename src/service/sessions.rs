@@ -1,6 +1,7 @@
 //! Sessions: controllers that keep their memory on the service between calls.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -70,6 +71,8 @@ pub struct Session {
     missed_periods: u64,
     /// Time of the last state, or of the opening of the session.
     last_call: Instant,
+    /// Whether the session was deleted. Calls that wait for it then find it ended.
+    is_deleted: Arc<AtomicBool>,
 }
 
 impl Session {
@@ -81,13 +84,16 @@ impl Session {
         now: Instant,
         metrics: &Metrics,
     ) -> Result<SharedAnswer, ApiError> {
+        // A repeated state may name what a controller that was replaced since then had.
+        let repeated = self.last_step.borrow().as_ref().filter(|last| last.state == state).map(Arc::clone);
+        if let Some(last) = repeated {
+            self.last_call = now;
+            self.retries += 1;
+            return Ok(SharedAnswer(last));
+        }
         let measurement = self.control.measurement(&state)?;
         self.last_call = now;
         if let Some(last) = &*self.last_step.borrow() {
-            if last.state == state {
-                self.retries += 1;
-                return Ok(SharedAnswer(Arc::clone(last)));
-            }
             let checked = convert::check_sequence(last.state.sequence, state.sequence);
             checked.inspect_err(|_| self.interleaving.count_refused())?;
         }
@@ -145,6 +151,7 @@ type SharedSession = Arc<AsyncMutex<Session>>;
 struct Open {
     request: wire::Controller,
     ownership: Ownership,
+    is_deleted: Arc<AtomicBool>,
     session: SharedSession,
 }
 
@@ -206,8 +213,10 @@ impl Sessions {
             last_step_time: None,
             missed_periods: 0,
             last_call: Instant::now(),
+            is_deleted: Arc::default(),
         };
         let (request, ownership) = (session.request.clone(), session.ownership.clone());
+        let is_deleted = Arc::clone(&session.is_deleted);
         let mut sessions = self.lock_active();
         if let Some((known, open)) = sessions.iter().find(|(_, open)| open.ownership.has_key_of(&ownership)) {
             let is_same = open.request == request && open.ownership.has_owner_of(&ownership);
@@ -220,7 +229,7 @@ impl Sessions {
         if sessions.len() >= self.limit {
             return Err(ApiError::too_many_sessions(self.limit));
         }
-        sessions.insert(id, Open { request, ownership, session: Arc::new(AsyncMutex::new(session)) });
+        sessions.insert(id, Open { request, ownership, is_deleted, session: Arc::new(AsyncMutex::new(session)) });
         Ok(answer)
     }
 
@@ -321,7 +330,8 @@ impl Sessions {
 
     /// Returns the session unless it has ended. The next call of `lock_active` removes it.
     fn active(&self, id: &str, session: OwnedMutexGuard<Session>) -> Result<OwnedMutexGuard<Session>, ApiError> {
-        let is_active = session.last_call.elapsed() < self.idle_timeout;
+        let is_deleted = session.is_deleted.load(Ordering::Acquire);
+        let is_active = !is_deleted && session.last_call.elapsed() < self.idle_timeout;
         is_active.then_some(session).ok_or_else(|| ApiError::unknown_controller(id))
     }
 
@@ -331,6 +341,7 @@ impl Sessions {
         let mut open = lock(&self.open);
         let session = open.get(&key).ok_or_else(|| ApiError::unknown_controller(id))?;
         session.ownership.owner.allow(client)?;
+        session.is_deleted.store(true, Ordering::Release);
         open.remove(&key);
         Ok(())
     }
@@ -410,5 +421,15 @@ mod tests {
         assert_eq!(last_call(), first);
         step(&sessions, &id).unwrap();
         assert!(last_call() > first);
+    }
+
+    /// A step may wait for another one while the session is deleted.
+    #[tokio::test]
+    async fn a_call_that_waits_for_a_session_finds_it_deleted() {
+        let sessions = sessions();
+        let id = open(&sessions);
+        let waiting = sessions.find(&id).unwrap();
+        sessions.delete(&id, &Owner::default()).unwrap();
+        assert!(sessions.active(&id, waiting.lock_owned().await).err().unwrap().is_not_found());
     }
 }

@@ -197,3 +197,16 @@ fn a_damaged_memory_of_chunks_is_refused() {
         answer.assert_refused(422, Some(pointer));
     }
 }
+
+#[test]
+fn a_channel_that_an_action_names_twice_is_refused() {
+    let service = Service::start();
+    let mut with_channel = controller();
+    with_channel["channels"] = json!([{"name": "suction", "kind": "position", "lower": 0, "upper": 1, "max_rate": 9}]);
+    let session = service.open(&with_channel);
+    let state = r#"{"sequence": 1, "time_s": 0, "joint_position": [0, -0.5, 0, 1, 0, 1, 0], "targets": {"hand": {"chunk": [
+        {"time_s": 0, "position": [0.5, 0, 0.1], "channels": {"suction": 1, "suction": 0}}]}}}"#;
+    let refused = service.post(&format!("{session}/step"), state);
+    assert_eq!(refused.status, 400, "{}", refused.text);
+    assert!(refused.text.contains("`suction` is given twice"), "{}", refused.text);
+}

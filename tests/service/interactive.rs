@@ -274,3 +274,18 @@ fn orientation(sample: &Value) -> Value {
     let parts = numbers(&sample["orientation"]);
     json!({"w": parts[0], "x": parts[1], "y": parts[2], "z": parts[3]})
 }
+
+/// A command that the run could not follow is refused, and the run goes on.
+#[test]
+fn targets_in_the_wrong_order_do_not_end_a_run() {
+    let service = Service::start();
+    let run = start(&service, "stiff_wall", |_| {}, true);
+    let pose = json!({"position": [0.5, 0.1, 0.3]});
+    let ahead =
+        |after_s: [f64; 2]| json!([{"after_s": after_s[0], "pose": pose}, {"after_s": after_s[1], "pose": pose}]);
+    let command = |after_s| json!({"targets": {"hold": {"pose": pose, "ahead": ahead(after_s)}}, "step": 3});
+    let refused = service.post(&format!("{run}/control"), &command([0.2, 0.1]).to_string());
+    refused.assert_refused(422, Some("/targets/hold/ahead/1"));
+    let status = control(&service, &run, &command([0.1, 0.2]));
+    assert_eq!(status["state"], "running", "{status}");
+}

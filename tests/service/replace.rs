@@ -157,3 +157,18 @@ fn a_profile_that_is_over_when_its_controller_comes_is_warned_of() {
         assert!(!warned(0.5), "{start_s}");
     }
 }
+
+/// The answer to the last state may have been lost before the controller was replaced.
+#[test]
+fn the_last_state_gets_its_answer_again_after_its_task_is_gone() {
+    let service = Service::start();
+    let hand = json!({"name": "hand", "axes": ["x"], "law": {"kind": "pose", "gain": 2.0}});
+    let session = service.open(&controller("position_velocity", &json!([hand])));
+    let state = json!({"sequence": 1, "time_s": 0.0, "joint_position": [0.3, 0.9, -0.8],
+        "targets": {"hand": {"pose": {"position": [1.0, 0.5, 0.0]}}}});
+    let step = format!("{session}/step");
+    let answer = service.call(&step, &state);
+    let other = controller("position_velocity", &json!([along("y", 0.1)]));
+    assert_eq!(replace(&service, &session, &other, &[]).status, 200);
+    assert_eq!(service.call(&step, &state), answer);
+}

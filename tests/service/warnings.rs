@@ -413,3 +413,32 @@ fn a_scaled_task_to_which_the_tasks_before_it_leave_no_axis_is_warned_of() {
         assert!(!warned(&tasks), "{tasks}");
     }
 }
+
+/// The values of a posture are in the order of its `joints`, not in that of the robot.
+#[test]
+fn the_target_of_a_posture_is_compared_with_the_range_of_its_own_joint() {
+    let service = Service::start();
+    let with = |values: [f64; 2]| {
+        let target = json!({"kind": "constant", "value": values});
+        let law = json!({"kind": "posture", "joints": ["panda_joint6", "panda_joint4"], "gain": 2, "target_position": target});
+        let controller = json!({"robot": "panda", "period_s": 0.004, "tasks": [{"name": "elbow", "law": law}]});
+        warnings(&service, &controller)
+    };
+    assert_eq!(with([3.0, -2.0]), [""; 0]);
+    let swapped = with([-2.0, 3.0]);
+    assert!(swapped.len() == 2 && swapped[0].contains("`panda_joint6` at -2"), "{swapped:?}");
+}
+
+#[test]
+fn the_speed_of_a_turning_contact_is_compared_in_its_own_unit() {
+    let service = Service::start();
+    let with = |axis: &str, speed: f64| {
+        let force = json!({"kind": "constant", "value": [1.0]});
+        let law = json!({"kind": "contact", "target_force": force, "retreat_speed": speed});
+        let controller =
+            json!({"robot": "panda", "period_s": 0.004, "tasks": [{"name": "touch", "axes": [axis], "law": law}]});
+        warnings(&service, &controller).into_iter().filter(|warning| warning.contains("hits hard")).collect::<Vec<_>>()
+    };
+    assert_eq!(with("rx", 2.5), [""; 0]);
+    assert_eq!(with("z", 2.5), ["task `touch`: a retreat with 2.5 m/s hits hard; speeds are in m/s, not in mm/s"]);
+}

@@ -244,3 +244,16 @@ fn a_retreat_tells_which_tasks_it_has_released() {
         assert!(answer["tasks"][1]["achieved"][0].as_f64().unwrap() < 0.0, "{answer}");
     }
 }
+
+/// Without a control period the default are the speed limits, and they do not move a joint back.
+#[test]
+fn the_limits_that_apply_without_a_period_are_those_of_speed() {
+    let service = Service::start();
+    let request = json!({
+        "robot": "planar_3r", "joint_position": [3.0, 0.5, 0.4], "why": true,
+        "tasks": [{"name": "turn", "jacobian": [[1, 0, 0]], "velocity": [5]}],
+    });
+    let answer = service.call("/v1/resolve", &request);
+    assert_eq!(answer["joint_velocity"][0], json!(2.0));
+    assert_eq!(sentences(&answer)[0], "joint `shoulder` is at its speed limit of 2.0 rad/s");
+}

@@ -22,8 +22,11 @@ const FAST_M_S: f64 = 15.0;
 /// Angular velocity of a tool above which it is reported, rad/s: 10 turns a second.
 const FAST_RAD_S: f64 = 20.0 * std::f64::consts::PI;
 
-/// Speed of an approach to a surface, or of a retreat from it, above which it is reported, m/s and rad/s. A drop from 5 cm reaches it.
-const FAST_APPROACH: f64 = 1.0;
+/// Speed of an approach to a surface, or of a retreat from it, above which it is reported, m/s. A drop from 5 cm reaches it.
+const FAST_APPROACH_M_S: f64 = 1.0;
+
+/// The same about an axis, rad/s: 1 m/s at 0.1 m from it.
+const FAST_APPROACH_RAD_S: f64 = 10.0;
 
 /// Rotation vector above which it is reported, rad: a whole turn.
 const WHOLE_TURN: f64 = 2.0 * std::f64::consts::PI;
@@ -122,12 +125,11 @@ impl About<'_> {
         let mut warnings = self.target(task, axes, law);
         if let wire::Law::Contact { approach_speed, retreat_speed, .. } = law {
             let speeds = [("an approach", approach_speed), ("a retreat", retreat_speed)];
-            let named = speeds.into_iter().flat_map(|(motion, speed)| {
-                (0..axes.len()).filter_map(move |row| Some((motion, speed.as_ref()?.at(row)?)))
-            });
-            let fast = named.filter(|(_, speed)| *speed > FAST_APPROACH);
-            warnings.extend(fast.map(|(motion, speed)| {
-                format!("task `{}`: {motion} with {speed} m/s hits hard; speeds are in m/s, not in mm/s", self.task)
+            warnings.extend(speeds.into_iter().flat_map(|(motion, speed)| {
+                axes.iter().enumerate().filter_map(move |(row, &axis)| {
+                    let fast = fast_approach(axis, speed.as_ref()?.at(row)?)?;
+                    Some(format!("task `{}`: {motion} with {fast}", self.task))
+                })
             }));
         }
         warnings
@@ -150,11 +152,15 @@ impl About<'_> {
                 pose.into_iter().chain(displacement.map(displaced).unwrap_or_default()).collect()
             }
             LawTarget::Joints { names, position } => {
-                let moves = |joint: &&Joint| names.is_none_or(|names| names.contains(&joint.name));
                 let worst = |(row, joint): (usize, &Joint)| {
                     values(position, row).into_iter().find_map(|q| self.joint(joint, q))
                 };
-                self.robot.joints().iter().filter(moves).enumerate().filter_map(worst).collect()
+                let joints = self.robot.joints();
+                let named = |name: &String| joints.iter().find(|joint| joint.name == *name);
+                match names {
+                    Some(names) => names.iter().filter_map(named).enumerate().filter_map(worst).collect(),
+                    None => joints.iter().enumerate().filter_map(worst).collect(),
+                }
             }
             // A camera may look at what is far away.
             LawTarget::Point(_) | LawTarget::None => Vec::new(),
@@ -234,6 +240,13 @@ impl About<'_> {
     fn joint(self, joint: &Joint, value: f64) -> Option<String> {
         outside(joint, value).map(|text| format!("task `{}`: its target of {text}", self.task))
     }
+}
+
+/// Describes a speed of an approach or a retreat that is too high.
+fn fast_approach(axis: Axis, speed: f64) -> Option<String> {
+    let (fastest, unit, other) =
+        if is_linear(axis) { (FAST_APPROACH_M_S, "m/s", "mm/s") } else { (FAST_APPROACH_RAD_S, "rad/s", "°/s") };
+    (speed > fastest).then(|| format!("{speed} {unit} hits hard; speeds are in {unit}, not in {other}"))
 }
 
 /// Returns the position of a stated pose in the base frame, m.

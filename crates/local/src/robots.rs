@@ -56,8 +56,8 @@ pub enum RobotsError {
 
 /// All known robots: permanent robots, and robots that clients registered.
 ///
-/// A registered robot ends when it is not used for the idle timeout. Every `Arc` of a robot counts as use: while a session
-/// holds a robot, the robot does not end. Deleting a robot only frees its name.
+/// A registered robot ends when it is not used for the idle timeout. Every `Arc` of a robot counts as use, also with a tool
+/// offset: while a session holds a robot, the robot does not end. Deleting a robot only frees its name.
 #[derive(Debug)]
 pub struct Robots {
     permanent: Vec<Arc<RobotModel>>,
@@ -207,6 +207,19 @@ mod tests {
         assert!(matches!(robots.get("forgotten"), Err(RobotsError::Unknown { .. })));
         drop(held);
         assert!(robots.get("held").is_err() && robots.get("sawyer_dh").is_ok());
+    }
+
+    /// A session with a `tool_offset` has a robot of its own.
+    #[test]
+    fn a_registered_robot_stays_while_one_with_another_tool_is_used() {
+        let robots = Robots { idle_timeout: Duration::ZERO, ..Robots::built_in() };
+        robots.register(named("held")).unwrap();
+        let robot = robots.registered()[0].robot.clone();
+        let longer = robot.with_tool_offset(&IsometryMatrix3::translation(0.0, 0.0, 0.1)).unwrap();
+        drop(robot);
+        assert!(robots.get("held").is_ok());
+        drop(longer);
+        assert!(robots.get("held").is_err());
     }
 
     #[test]

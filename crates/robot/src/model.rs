@@ -21,6 +21,8 @@ pub struct RobotModel {
     tree: Arc<Tree>,
     selection: Option<Arc<ChainSelection>>,
     collision: Option<Arc<CollisionModel>>,
+    /// The robot whose tool was moved. Who counts its users counts this one.
+    origin: Option<Arc<Self>>,
 }
 
 impl RobotModel {
@@ -50,7 +52,15 @@ impl RobotModel {
             }
         }
         let tree = Arc::new(Tree::serial(&joints, &tool));
-        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None, collision: None })
+        Ok(Self {
+            name: name.into(),
+            description: description.into(),
+            joints,
+            tree,
+            selection: None,
+            collision: None,
+            origin: None,
+        })
     }
 
     /// Builds and checks a robot from the description of its tree.
@@ -61,7 +71,15 @@ impl RobotModel {
     ) -> Result<Self, ModelError> {
         let (joints, tree) = assemble(tree)?;
         let tree = Arc::new(tree);
-        Ok(Self { name: name.into(), description: description.into(), joints, tree, selection: None, collision: None })
+        Ok(Self {
+            name: name.into(),
+            description: description.into(),
+            joints,
+            tree,
+            selection: None,
+            collision: None,
+            origin: None,
+        })
     }
 
     /// Returns the same robot with a note about the chain that it was read from.
@@ -91,15 +109,15 @@ impl RobotModel {
         Self { name: name.into(), ..self }
     }
 
-    /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m.
-    pub fn with_tool_offset(&self, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
+    /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m. It keeps this robot.
+    pub fn with_tool_offset(self: &Arc<Self>, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
         let tool = self.tool() * offset;
         if !has_usable_numbers(&tool) {
             let joint = self.tree.moving()[self.tree.tool_joint()].name.clone();
             return Err(ModelError::NotFinite { joint });
         }
         let tree = Arc::new(self.tree.with_tool(self.tips()[0].offset * offset, tool));
-        Ok(Self { tree, ..self.clone() })
+        Ok(Self { tree, origin: Some(Arc::clone(self)), ..Self::clone(self) })
     }
 
     /// Returns the name of the robot.

@@ -1,5 +1,7 @@
 //! Kinematics of an arm and stability of a contact.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use revprio_api::wire;
 
@@ -44,7 +46,8 @@ pub async fn payload(
     State(app): Shared,
     Body(request): Body<wire::PayloadRequest>,
 ) -> Result<Answer<wire::PayloadAnswer>, ApiError> {
-    convert::payload(&request, &app.robots).map(Answer)
+    let shared = Arc::clone(&app);
+    app.new.run(move |_| convert::payload(&request, &shared.robots)).await?.map(Answer)
 }
 
 /// Computes the kinematics of an arm.

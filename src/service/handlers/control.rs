@@ -11,7 +11,7 @@ use axum::response::{IntoResponse, Response};
 use revprio_api::wire;
 
 use super::{Segment, Shared};
-use crate::service::body::{Answer, Body};
+use crate::service::body::{Answer, Body, LargeAnswer};
 use crate::service::checked_stepper::PreparedController;
 use crate::service::error::ApiError;
 use crate::service::events::{Shown, latest};
@@ -178,8 +178,8 @@ pub async fn watch_controller(State(app): Shared, Segment(id): Segment) -> Resul
 pub async fn show_controller(
     State(app): Shared,
     Segment(id): Segment,
-) -> Result<Answer<wire::SessionStatus>, ApiError> {
-    app.sessions.with(&id, |id, session| Ok(session.status(id))).await.map(Answer)
+) -> Result<LargeAnswer<wire::SessionStatus>, ApiError> {
+    app.sessions.with(&id, |id, session| Ok(session.status(id))).await.map(LargeAnswer)
 }
 
 /// Replaces the controller of a session.

@@ -72,18 +72,22 @@ impl Simulations {
     fn keep(&self, job: &Arc<Job>) -> Result<(), ApiError> {
         let mut jobs = self.lock();
         jobs.retain(|job| job.ended_for().is_none_or(|time| time < KEEP_TIME));
-        if job.is_interactive() {
-            make_room(&jobs)?;
-        }
         let is_full = |jobs: &[Arc<Job>]| {
             let periods: u64 = jobs.iter().map(|job| job.periods()).sum();
             jobs.len() >= MAX_KEPT || periods + job.periods() > MAX_PERIODS_KEPT
         };
+        let has_ended = |job: &Arc<Job>| job.ended_for().is_some();
+        let is_needed = |job: &&Arc<Job>| !has_ended(job) && !is_left_alone(job);
+        let busy = || ApiError::busy("too many simulations are waiting or running; try again later");
+        // A refused simulation deletes no other.
+        if is_full(&jobs.iter().filter(is_needed).cloned().collect::<Vec<_>>()) {
+            return Err(busy());
+        }
+        if job.is_interactive() {
+            make_room(&jobs)?;
+        }
         while is_full(&jobs) {
-            let has_ended = |job: &Arc<Job>| job.ended_for().is_some();
-            let Some(place) = jobs.iter().position(has_ended).or_else(|| left_alone(&jobs)) else {
-                return Err(ApiError::busy("too many simulations are waiting or running; try again later"));
-            };
+            let place = jobs.iter().position(has_ended).or_else(|| left_alone(&jobs)).ok_or_else(busy)?;
             jobs.remove(place).cancel();
         }
         jobs.push(Arc::clone(job));
@@ -124,8 +128,38 @@ fn make_room(jobs: &[Arc<Job>]) -> Result<(), ApiError> {
     Ok(())
 }
 
+/// Returns whether an interactive simulation was left alone for longer than [`ROOM_TIME`].
+fn is_left_alone(job: &Job) -> bool {
+    job.unattended_for().is_some_and(|time| time > ROOM_TIME)
+}
+
 /// Returns the interactive simulation that was left alone longest, for longer than [`ROOM_TIME`].
 fn left_alone(jobs: &[Arc<Job>]) -> Option<usize> {
-    let times = jobs.iter().enumerate().filter_map(|(place, job)| Some((job.unattended_for()?, place)));
-    times.filter(|(time, _)| *time > ROOM_TIME).max().map(|(_, place)| place)
+    let places = (0..jobs.len()).filter(|&place| is_left_alone(&jobs[place]));
+    places.max_by_key(|&place| jobs[place].unattended_for())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(periods: u32) -> Arc<Job> {
+        let mut scenario = Scenario::find("stiff_wall").unwrap();
+        scenario.duration_s = f64::from(periods) * scenario.controller.period_s;
+        Arc::new(Job::new(scenario, None))
+    }
+
+    #[test]
+    fn a_refused_simulation_deletes_no_other() {
+        let simulations = Simulations::default();
+        let ended = job(1000);
+        for kept in [&ended, &job(100_000), &job(100_000)] {
+            simulations.keep(kept).unwrap();
+        }
+        ended.cancel();
+        assert!(simulations.keep(&job(60_000)).is_err());
+        assert!(simulations.get(ended.id()).is_ok());
+        simulations.keep(&job(49_500)).unwrap();
+        assert!(simulations.get(ended.id()).is_err());
+    }
 }

@@ -111,7 +111,8 @@ pub struct ContactReport {
     /// Approach speed of this period, m/s or rad/s.
     #[schema(example = 0.012)]
     pub approach_speed: f64,
-    /// Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m.
+    /// Peak force that no controller can avoid that brakes with the acceleration of this law, at this approach speed in the stiffest
+    /// contact, N or N·m.
     #[schema(example = 32.7)]
     pub unavoidable_peak: f64,
     /// Normal of the surface; absent for a law without `surface`.

@@ -214,7 +214,7 @@ pub struct CreatedController {
 pub struct SessionStatus {
     /// Identifier of the session.
     pub id: String,
-    /// Configuration of the controller, with its defaults.
+    /// Configuration of the controller. Fields that equal their default may be left out.
     pub controller: Controller,
     /// Sequence number of the last state; `null` before the first.
     pub last_sequence: Option<u64>,

@@ -126,7 +126,7 @@ pub enum NullSpaceMotion {
         gain: f64,
     },
     /// The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
-    /// most 0.1 rad/s; only in controllers.
+    /// most 0.5 rad/s; only in controllers.
     InitialPosture {
         /// Gain K, 1/s: within 1/K seconds the distance to the posture decreases to 37 %.
         gain: f64,

@@ -38,7 +38,7 @@ pub struct SimulationControl {
     /// New solver; the joint velocities change only if one of both is `closed_form`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<Solver>,
-    /// New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,
+    /// New controller. It may differ from the present one in method, solver, `why` and the laws `contact`, `force`, `impedance`,
     /// `hybrid`.
     #[serde(deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,

@@ -63,6 +63,11 @@ pub fn optional_texts<'de, D: Deserializer<'de>>(
     Ok(Option::<Texts>::deserialize(deserializer)?.map(|Texts(map)| map))
 }
 
+/// Reads numbers by name. Refuses a name that is given twice.
+pub fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    deserializer.deserialize_map(PlainVisitor { expected: "an object with one number per name", value: PhantomData })
+}
+
 struct Objects<T>(BTreeMap<String, T>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Objects<T> {
@@ -75,17 +80,22 @@ struct Texts(BTreeMap<String, String>);
 
 impl<'de> Deserialize<'de> for Texts {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(TextsVisitor).map(Self)
+        let visitor = PlainVisitor { expected: "an object with one text per name", value: PhantomData };
+        deserializer.deserialize_map(visitor).map(Self)
     }
 }
 
-struct TextsVisitor;
+/// Reads values by name that are no objects.
+struct PlainVisitor<T> {
+    expected: &'static str,
+    value: PhantomData<T>,
+}
 
-impl<'de> Visitor<'de> for TextsVisitor {
-    type Value = BTreeMap<String, String>;
+impl<'de, T: Deserialize<'de>> Visitor<'de> for PlainVisitor<T> {
+    type Value = BTreeMap<String, T>;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("an object with one text per name")
+        formatter.write_str(self.expected)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {

@@ -30,7 +30,7 @@ pub struct State {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint_velocity: Option<JointVector>,
     /// Measured wrench: without the weight of the tool, or the raw reading of the controller's `wrench_sensor`; required by the laws `contact`, `force`, `impedance` and
-    /// `hybrid`.
+    /// `hybrid`, and by a `wrench_sensor`, also one that a tare has added.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub wrench: Option<Wrench>,
     /// Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries unless the

@@ -46,7 +46,7 @@ pub struct Streaming {
 /// One target of a task. The law of the task decides which fields it has.
 ///
 /// The laws `pose` and `impedance` accept `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`,
-/// `force` accepts `force`, and `hybrid` accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its
+/// `force` and `contact` accept `force`, and `hybrid` accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its
 /// `velocity`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -118,7 +118,7 @@ pub struct ChunkAction {
     pub gripper: Option<f64>,
     /// Targets of channels of the controller by name, due with the action; default: none.
     #[schema(example = json!({"suction": 1.0}))]
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, deserialize_with = "object::numbers", skip_serializing_if = "BTreeMap::is_empty")]
     pub channels: BTreeMap<String, f64>,
 }
 

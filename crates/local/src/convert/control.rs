@@ -6,7 +6,7 @@ use revprio_lab::number::Exact;
 
 use super::checks::{Result, check};
 use super::numbers::{between, check_numbers};
-use super::targets::targets;
+use super::targets::{check_times, targets};
 use crate::error::{ApiError, escape_pointer};
 
 /// Minimum speed of an interactive run, simulated seconds per second.
@@ -46,6 +46,7 @@ pub fn check_control(command: &wire::SimulationControl, controller: &Controller)
             "a run takes single targets; send chunks with the states of a controller",
         ));
     }
-    targets(&command.targets, 0.0, controller)?;
+    let (found, _) = targets(&command.targets, 0.0, controller)?;
+    check_times(&found, 0.0, controller)?;
     command.external_force.map_or(Ok(()), |force| check_numbers(&force, "/external_force"))
 }

@@ -152,11 +152,7 @@ impl<'a> Request<'a> {
 
     /// Collects what the sentences of the answer need.
     fn why_inputs(&self) -> WhyInputs {
-        let kind = match self.body.limits {
-            Some(wire::Limits::Robot(kind)) => kind,
-            _ => wire::LimitKind::PositionVelocity,
-        };
-        let applies = self.robot.is_some() && !self.has_other_limits() && kind.includes_position();
+        let applies = self.robot.is_some() && self.limit_kind().includes_position();
         let position = self.configuration.as_ref().filter(|_| applies).map(|at| at.joint_position().to_vec());
         let units = |task: &wire::ResolveTask| match (&task.axes, &task.jacobian) {
             (Some(axes), _) => axes.iter().map(|axis| Unit::of_axis(*axis)).collect(),
@@ -190,17 +186,22 @@ impl<'a> Request<'a> {
         Ok(constraints.iter().flat_map(|constraint| constraint.rows_at(configuration)).collect())
     }
 
+    /// Returns which limits of the robot apply: the stated ones, or those that the other fields suffice for.
+    fn limit_kind(&self) -> LimitKind {
+        match &self.body.limits {
+            Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
+            None if self.configuration.is_some() && self.body.period_s.is_some() => LimitKind::PositionVelocity,
+            None if self.robot.is_some() => LimitKind::Velocity,
+            None | Some(wire::Limits::Box { .. }) => LimitKind::None,
+        }
+    }
+
     fn limits(&self, joints: usize) -> Result<LimitedBox> {
         let period = self.body.period_s.map(|period| positive_period(period, "/period_s")).transpose()?;
-        let kind = match &self.body.limits {
-            Some(wire::Limits::Box { lower, upper }) => {
-                return Ok(LimitedBox::given(velocity_box(lower, upper, joints)?));
-            }
-            Some(wire::Limits::Robot(kind)) => terms::limit_kind(*kind),
-            None if self.configuration.is_some() && period.is_some() => LimitKind::PositionVelocity,
-            None if self.robot.is_some() => LimitKind::Velocity,
-            None => LimitKind::None,
-        };
+        if let Some(wire::Limits::Box { lower, upper }) = &self.body.limits {
+            return Ok(LimitedBox::given(velocity_box(lower, upper, joints)?));
+        }
+        let kind = self.limit_kind();
         let last = self.body.joint_velocity.as_ref();
         let last =
             last.map(|last| joint_vector_of(last, self.robot.as_deref(), joints, "/joint_velocity")).transpose()?;

@@ -51,7 +51,12 @@ fn task(k: usize, task: &wire::ResolveTask, arm: Option<(&RobotModel, &Configura
         }
         (None, Some(rows)) => {
             check_no_link(task.link.as_deref(), task.relative_to.as_deref())?;
-            own_jacobian(rows, &task.frame, task.reference_point)?
+            let jacobian = own_jacobian(rows, &task.frame, task.reference_point)?;
+            let (columns, joints) = (jacobian.ncols(), arm.map(|(robot, _)| robot.joint_count()));
+            let detail =
+                format_args!("its rows have {columns} entries, but the robot has {} joints", joints.unwrap_or(0));
+            check(joints.is_none_or(|joints| columns == joints), "/jacobian", detail)?;
+            jacobian
         }
         _ => return Err(ApiError::invalid("", "give either `axes` or `jacobian`")),
     };

@@ -36,7 +36,7 @@ pub struct Commands {
     /// External force on the tool, N, base frame.
     force: [f64; 3],
     force_set: Instant,
-    controller: wire::Controller,
+    controller: Arc<wire::Controller>,
     is_controller_new: bool,
     /// Targets that no state contains yet.
     targets: BTreeMap<String, wire::StreamedTarget>,
@@ -54,7 +54,7 @@ impl Commands {
 
     /// Returns the changed controller, once after each change.
     pub fn take_new_controller(&mut self) -> Option<wire::Controller> {
-        std::mem::take(&mut self.is_controller_new).then(|| self.controller.clone())
+        std::mem::take(&mut self.is_controller_new).then(|| wire::Controller::clone(&self.controller))
     }
 
     /// Returns the new targets, each once.
@@ -81,7 +81,7 @@ impl RunControl {
             steps: 0,
             force: [0.0; 3],
             force_set: Instant::now(),
-            controller: request,
+            controller: Arc::new(request),
             is_controller_new: false,
             targets: BTreeMap::new(),
             finish: false,
@@ -93,11 +93,7 @@ impl RunControl {
     /// Applies a whole command, or refuses it without any change.
     pub fn apply(&self, command: &wire::SimulationControl, robots: &Robots) -> Result<(), ApiError> {
         convert::check_control(command, &self.controller)?;
-        let mut commands = self.lock();
-        if let Some(controller) = changed_controller(command, &commands.controller, robots)? {
-            commands.controller = controller;
-            commands.is_controller_new = true;
-        }
+        let mut commands = self.with_changed_controller(command, robots)?;
         let Commands { pace, steps, force, force_set, targets, finish, last_attention, .. } = &mut *commands;
         pace.paused = command.paused.unwrap_or(pace.paused || command.step.is_some());
         pace.speed = command.speed.unwrap_or(pace.speed);
@@ -111,6 +107,26 @@ impl RunControl {
         drop(commands);
         self.wake();
         Ok(())
+    }
+
+    /// Returns the commands with the controller that a command selects. It is read and checked without the lock, for which other threads
+    /// would wait.
+    fn with_changed_controller(
+        &self,
+        command: &wire::SimulationControl,
+        robots: &Robots,
+    ) -> Result<MutexGuard<'_, Commands>, ApiError> {
+        loop {
+            let current = Arc::clone(&self.lock().controller);
+            let changed = changed_controller(command, &current, robots)?;
+            let mut commands = self.lock();
+            let Some(controller) = changed else { return Ok(commands) };
+            if Arc::ptr_eq(&commands.controller, &current) {
+                commands.controller = Arc::new(controller);
+                commands.is_controller_new = true;
+                return Ok(commands);
+            }
+        }
     }
 
     /// Time since a client last watched or commanded the run; `None` if it is to finish.

@@ -158,7 +158,7 @@ proptest! {
     #[test]
     fn a_tool_offset_moves_the_tool_alone(tree in any_tree(), shift in prop::array::uniform3(-0.5..0.5_f64)) {
         let offset = IsometryMatrix3::new(shift.into(), Vector3::new(0.3, -0.2, 0.1));
-        let moved = tree.robot.with_tool_offset(&offset).unwrap();
+        let moved = std::sync::Arc::new(tree.robot.clone()).with_tool_offset(&offset).unwrap();
         let mut configuration = at(&tree);
         let expected = configuration.tool_pose() * offset;
         let link = configuration.link_pose(tree.link(900));

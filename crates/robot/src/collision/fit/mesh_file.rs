@@ -117,8 +117,21 @@ fn read_stl(path: &Path) -> Result<Vec<Triangle>, MeshError> {
     stl::read(&bytes).map_err(|source| MeshError::Stl { path: path.to_owned(), source })
 }
 
+/// Keywords of curves and surfaces in OBJ files.
+const FREE_FORMS: [&[u8]; 3] = [b"curv", b"curv2", b"surf"];
+
 fn read_obj(path: &Path) -> std::io::Result<Vec<Triangle>> {
-    let bytes = std::fs::read(path)?;
+    let text = std::fs::read(path)?;
+    // The loader leaves out lines that begin with a space, and free forms.
+    let lines: Vec<_> = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start).collect();
+    let keyword = |line: &[u8]| line.split(u8::is_ascii_whitespace).next().map(<[u8]>::to_vec);
+    if lines.iter().any(|line| keyword(line).is_some_and(|word| FREE_FORMS.contains(&word.as_slice()))) {
+        return Err(std::io::Error::new(
+            std::io::ErrorKind::InvalidData,
+            "export free-form curves and surfaces as faces",
+        ));
+    }
+    let bytes = lines.join(&b'\n');
     // No other file is opened: a material says nothing about the form.
     let no_material = |_: &Path| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into());
     let scene = Loader::default().load_obj_from_slice_with_reader(&bytes, path, no_material)?;
