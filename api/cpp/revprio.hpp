@@ -67,6 +67,8 @@ inline double pose_gain(const PressOptions& options) {
 }
 
 inline void hold_others(Json& tasks, const std::vector<std::string>& moved, const Json& frame, const PressOptions& options) {
+    if (!options.hold.is_null() && !options.hold.is_array() && options.hold != "rest")
+        throw std::invalid_argument("hold: give \"rest\", an array of axes or nullptr, not " + options.hold.dump());
     Json held = Json::array();
     const auto is_moved = [&](const Json& axis) { return std::find(moved.begin(), moved.end(), axis) != moved.end(); };
     if (options.hold.is_array()) {
@@ -196,6 +198,15 @@ struct Options {
     std::string owner = random_word(); ///< Owner token of the sessions of this client; other clients cannot step them.
 };
 
+/// Returns whether a request may be sent again when it is unknown if the service received it. A POST may not if it creates
+/// something, or can advance a simulation by a number of periods.
+inline bool may_repeat(const std::string& method, const std::string& path) {
+    if (method != "POST") return true;
+    const bool creates = path == "/v1/robots" || path == "/v1/simulations" || path == "/v1/controllers";
+    const std::string control = "/control";
+    return !creates && (path.size() < control.size() || path.compare(path.size() - control.size(), control.size(), control) != 0);
+}
+
 /// A client of one service. It keeps one connection open. Only one thread at a time may use it.
 class Client {
 public:
@@ -220,9 +231,9 @@ public:
     Json robot(const std::string& name) { return call("GET", "/v1/robots/" + name); }
 
     /// Sends any other call; `body` is sent unless it is null. `repeatable`: whether the call may be sent again when it
-    /// is unknown if the service received it. `headers`: additional headers.
-    Json call(const std::string& method, const std::string& path, const Json& body = nullptr, bool repeatable = true,
-              std::optional<Seconds> timeout = {}, const httplib::Headers& headers = {}) {
+    /// is unknown if the service received it; default: `may_repeat`. `headers`: additional headers.
+    Json call(const std::string& method, const std::string& path, const Json& body = nullptr,
+              std::optional<bool> repeatable = {}, std::optional<Seconds> timeout = {}, const httplib::Headers& headers = {}) {
         const std::string content = body.is_null() ? "" : require_finite(body).dump();
         auto pause = Seconds(0.02);
         for (int left = options_.retries;; --left, pause *= 2) {
@@ -234,7 +245,7 @@ public:
                 if (left == 0 || !is_busy || wait >= timeout.value_or(options_.timeout)) throw;
                 std::this_thread::sleep_for(wait);
             } catch (const NoAnswer& failure) {
-                if (left == 0 || !repeatable || failure.is_late) throw;
+                if (left == 0 || !repeatable.value_or(may_repeat(method, path)) || failure.is_late) throw;
                 std::this_thread::sleep_for(pause);
             }
         }

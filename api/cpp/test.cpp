@@ -280,6 +280,11 @@ void presets(revprio::Client& client) {
         expect_throw<std::invalid_argument>([&] { revprio::wipe("z", 5, "y", twice); }, "an axis with two tasks is refused");
     }
     expect_throw<std::invalid_argument>([] { revprio::wipe("z", 5, "rx"); }, "a wipe that turns is refused");
+    for (const revprio::Json& held : {revprio::Json("y"), revprio::Json("none"), revprio::Json(false), revprio::Json::object()}) {
+        revprio::PressOptions unclear;
+        unclear.hold = held;
+        expect_throw<std::invalid_argument>([&] { revprio::push("x", 5, unclear); }, "an unclear `hold` is refused");
+    }
 }
 
 /// A law that needs a wrench refuses a state without one; obstacles, channels and the own clock reach the service.
@@ -298,6 +303,35 @@ void states(revprio::Client& client) {
     now.force = {0, 0, 0};
     now.time_s = 12.5;
     check(session.step(now).at("joint_velocity").size() == 7, "an obstacle reaches the service");
+}
+
+/// A call whose answer is lost is sent again, unless the service could then do something twice.
+void repeats_only_what_is_safe() {
+    httplib::Server service;
+    std::mutex mutex;
+    std::vector<std::string> received;
+    const auto lose_answer = [&](const auto& request, auto& answer) {
+        std::lock_guard lock(mutex);
+        received.push_back(request.path);
+        answer.set_content_provider(9, "application/json", [](auto, auto, auto&) { return false; });
+    };
+    service.Post(".*", lose_answer);
+    service.Get(".*", lose_answer);
+    const int port = service.bind_to_any_port("127.0.0.1");
+    std::thread thread([&] { service.listen_after_bind(); });
+    revprio::Options options;
+    options.timeout = revprio::Seconds(60);
+    revprio::Client client("http://127.0.0.1:" + std::to_string(port), options);
+    const auto times = [&](const char* method, const std::string& path) {
+        expect_throw<revprio::NoAnswer>([&] { client.call(method, path, Json::object()); }, "a lost answer raises NoAnswer");
+        std::lock_guard lock(mutex);
+        return std::count(received.begin(), received.end(), path);
+    };
+    const auto once = {"/v1/simulations/a/control", "/v1/simulations", "/v1/robots", "/v1/controllers"};
+    for (const char* path : once) check(times("POST", path) == 1, "a call that is not safe to repeat is sent once");
+    check(times("POST", "/v1/stability") == 3 && times("GET", "/v1/simulations/a") == 3, "others are sent again");
+    service.stop();
+    thread.join();
 }
 
 /// `Loop` states when each state was measured: while an answer is late, no state is sent, and their number does not tell the time.
@@ -408,6 +442,7 @@ int main(int argc, char** argv) {
     replaces_its_controller(client);
     presets(client);
     states(client);
+    repeats_only_what_is_safe();
     loop_states_the_time();
     loop_ends_at_rest(client);
     token(argv[2]);

@@ -136,6 +136,9 @@ def test_wrenches_of_tips_are_sent_by_all_controllers(client: Client) -> None:
     with pytest.raises(InvalidError) as refused:
         here.step(q, wrenches={"left": np.zeros(6), "right": np.zeros(5)})
     assert refused.value.pointer == "/wrenches/right"
+    with pytest.raises(InvalidError) as refused:
+        here.step(q, wrenches={"left/~": np.zeros(5)})
+    assert refused.value.pointer == "/wrenches/left~1~0"
 
 
 def test_a_target_that_does_not_fit_is_refused(client: Client, config: ControllerConfig) -> None:
@@ -186,6 +189,17 @@ def test_a_repeated_state_is_not_run_twice_and_an_older_one_is_refused(
 
 def state(sequence: int) -> State:
     return State(sequence=sequence, time_s=0, joint_position=Q, wrench=Wrench(force=[1, 0, 0], torque=[0, 0, 0]))
+
+
+def test_a_step_goes_on_after_the_largest_number_of_the_states(client: Client, config: ControllerConfig) -> None:
+    here = Controller(**{name: getattr(config, name) for name in config.model_fields_set})
+    with Session(client, config) as session, Session(client, config) as streamed, streamed.stream() as stream:
+        for controller in (here, session, stream, Stateless(client, config)):
+            controller.step_state(state(100))
+            assert controller.step(Q, wrench=np.zeros(6)).sequence == 101
+            with pytest.raises(ConflictError):
+                controller.step_state(state(5))
+            assert controller.step(Q, wrench=np.zeros(6)).sequence == 102
 
 
 def test_a_state_is_sent_again_with_its_number_if_the_answer_is_lost(

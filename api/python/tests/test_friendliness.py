@@ -65,6 +65,13 @@ def test_the_place_of_a_wrong_field_is_that_of_the_service() -> None:
     assert "'force'" in unknown.value.detail
 
 
+def test_a_name_in_a_pointer_is_escaped() -> None:
+    sensors = {"a/b~": {"bias": "heavy"}}
+    with pytest.raises(InvalidError) as refused:
+        models.ControllerConfig.model_validate({"robot": "r", "period_s": 1, "tasks": [], "wrench_sensors": sensors})
+    assert refused.value.pointer == "/wrench_sensors/a~1b~0/bias"
+
+
 def test_positional_fields_are_refused_by_name() -> None:
     with pytest.raises(TypeError, match=r"ResolveTask\(field=value"):
         ResolveTask("x")  # type: ignore[call-arg]

@@ -14,6 +14,7 @@ from revprio_ros import conversion
 from revprio_ros.conversion import NotUsable, seconds
 from revprio_ros.loop_clock import LoopClock
 from revprio_ros.parameters import ParameterError, Settings, topic
+from revprio_ros.targets import check_frame, target_frame
 
 MAX_AGE_S = 1.0
 """Chunks with an older stamp are not used, s."""
@@ -76,10 +77,7 @@ class Chunks:
         if task.law.kind == "posture":
             actions = conversion.trajectory_actions(message, list(task.law.joints))
         else:
-            if message.header.frame_id != self._settings.base_frame:
-                raise NotUsable(
-                    f"its frame is `{message.header.frame_id}`; transform it to `{self._settings.base_frame}`"
-                )
+            check_frame(message.header.frame_id, target_frame(task, self._settings))
             actions = conversion.pose_actions(message, self._settings.chunk_interval_s)
         if not actions:
             raise NotUsable("it has no actions")

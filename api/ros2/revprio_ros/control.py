@@ -55,6 +55,8 @@ class Control:
         """Start of `time_s` of the states, on the loop's clock, s."""
         self.joints: list[str] = []
         """Names of the joints in the order of the commands; empty before the first session."""
+        self.robot: revprio.Robot | None = None
+        """The robot of the newest session."""
         self.phase = Phase.WAITING
         self.problem = ""
         """What prevents control; empty if nothing does."""
@@ -172,7 +174,7 @@ class Control:
         if self.joints and joints != self.joints:
             self.halt(f"the robot of the service has other joints than before: {', '.join(joints)}", self._last_s)
             return
-        self.joints, self.warnings, self.start_s = joints, warnings, None
+        self.joints, self.robot, self.warnings, self.start_s = joints, robot, warnings, None
         self._watchdog = revprio.Watchdog.of(robot)
         self._has_session, self._has_answer = True, False
         self.sessions += 1

@@ -39,7 +39,7 @@ class Controller(ClosableNode):
         """Reads the parameters and starts to wait. Raises a `ParameterError`."""
         super().__init__("revprio")
         settings = parameters.read(self)
-        config = settings.config
+        self.config = config = settings.config
         self.period_s = config.period_s
         self.clock = LoopClock(self)
         self.inputs = Inputs(self, self.clock, settings)
@@ -63,8 +63,9 @@ class Controller(ClosableNode):
         self.periods.add(now_s)
         self.ticks += 1
         self.control.update(self.clock.now_s, self.check_fresh, self.read)
-        if self.control.joints:
+        if self.control.robot is not None:
             self.outputs.check(self.control.joints)
+            parameters.check_wrenches(self.config, self.control.robot.tips)
             self.may_publish = True
             self.publish()
         if self.ticks % max(round(REPORT_S / self.period_s), 1) == 0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,6 +22,7 @@ from revprio_ros.presets import body as body_of
 REVPRIO = "as the controller says"
 SAME_FRAME = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 OUTPUTS = ("velocity", "trajectory", "both")
+WRENCH_LAWS = ("contact", "force", "impedance", "hybrid")
 
 PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
     "controller": (
@@ -36,8 +38,12 @@ PARAMETERS: dict[str, tuple[Any, str, tuple[float, float] | None]] = {
     "use_wrench": (True, "whether the controller needs the wrench", None),
     "sensor_pose": (SAME_FRAME, "x, y, z, qx, qy, qz, qw of the sensor frame in the wrench_frame", None),
     "max_age_s": (0.05, "maximum age of joint_states, wrench and obstacles, s", (0.002, 0.1)),
-    "base_frame": ("base", "frame_id of the base, in which poses and twists are given", None),
-    "tool_frame": ("tool0", "frame_id of the tool, for tasks with the frame `tool`", None),
+    "base_frame": (
+        "base",
+        "frame_id of the base, in which poses and twists are given for tasks without `relative_to`",
+        None,
+    ),
+    "tool_frame": ("tool0", "frame_id of the tool, for tasks with the frame `tool` and without `link`", None),
     "output": ("velocity", "velocity, trajectory or both", None),
     "command_joints": (
         [""],
@@ -156,6 +162,20 @@ def controller(values: SimpleNamespace) -> revprio.ControllerConfig:
         raise ParameterError(
             f"parameter `controller`: {place}: {detail}; the fields are those of POST /v1/controllers"
         ) from error
+
+
+def check_wrenches(config: revprio.ControllerConfig, tips: Sequence[revprio.RobotTip]) -> None:
+    """Refuses a controller that needs the wrench of another tip than the first one, because the node sends no other."""
+    tool = {name for tip in tips[:1] for name in (tip.name, tip.link)}
+    laws = [task for task in config.tasks if task.link and getattr(task.law, "kind", None) in WRENCH_LAWS]
+    needs = [(f"the law of task `{task.name}`", task.link) for task in laws]
+    needs += [("`wrench_sensors`", tip) for tip in config.wrench_sensors or {}]
+    for what, tip in needs:
+        if tip not in tool:
+            raise ParameterError(
+                f"parameter `controller`: {what} needs the wrench of `{tip}`, and the node has that of "
+                "the first tip only; leave it out, or step the controller in your own program, with `wrenches`"
+            )
 
 
 def token(path: str) -> str | None:

@@ -22,8 +22,8 @@ MAX_AGE_S = 1.0
 class Targets:
     """Receives a twist for each task with the law `velocity`, and a pose for `pose`, `impedance` and `hybrid`.
 
-    The topics are `targets/TASK`. The frame of a target must be that of the task. Tasks in a frame of their own pose
-    have no topic.
+    The topics are `targets/TASK`. The frame of a target must be that of the task, see `target_frame`. Tasks in a frame
+    of their own pose have no topic.
     """
 
     def __init__(self, node: Node, clock: LoopClock, settings: Settings) -> None:
@@ -54,7 +54,7 @@ class Targets:
 
     def _receiver(self, task: revprio.ControllerTask) -> Callable[[Any], None]:
         convert = twist if task.law.kind == "velocity" else pose
-        frame = self._settings.tool_frame if convert is twist and task.frame == "tool" else self._settings.base_frame
+        frame = target_frame(task, self._settings)
 
         def receive(message: Any) -> None:
             try:
@@ -73,6 +73,13 @@ class Targets:
         if not -self._settings.max_age_s <= age_s <= MAX_AGE_S:
             raise NotUsable(f"its stamp is {age_s:.3f} s old; synchronise the clock of the sender")
         return self._clock.now_s() - age_s
+
+
+def target_frame(task: revprio.ControllerTask, settings: Settings) -> str:
+    """Returns the frame in which the service reads the targets of a task: a tip or link has its name as `frame_id`."""
+    if task.law.kind == "velocity" and task.frame == "tool":
+        return task.link or settings.tool_frame
+    return task.relative_to or settings.base_frame
 
 
 def check_frame(given: str, expected: str) -> None:

@@ -1,5 +1,6 @@
 import type { Controller, CreatedController, Memory, SessionStatus, State, StepAnswer, TareAnswer, TareRequest } from "./bodies.js";
 import type { CallOptions, Connection } from "./connection.js";
+import { ProblemError } from "./errors.js";
 import { Stepping } from "./stepping.js";
 import { Stream } from "./stream.js";
 
@@ -23,6 +24,7 @@ export class Session extends Stepping {
   }
 
   override stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
+    this.follow(state);
     return this.connection.call<StepAnswer>("POST", `${this.path()}/step`, state, this.connection.stepOptions(options));
   }
 
@@ -52,9 +54,13 @@ export class Session extends Stepping {
     return Stream.open(this.connection, this, `${this.path()}/stream`, options);
   }
 
-  /** Ends the session. */
-  close(options: CallOptions = {}): Promise<void> {
-    return this.connection.call<void>("DELETE", this.path(), undefined, options);
+  /** Ends the session; does nothing if it has already ended, also by a call whose answer was lost. */
+  async close(options: CallOptions = {}): Promise<void> {
+    try {
+      await this.connection.call<void>("DELETE", this.path(), undefined, options);
+    } catch (failure) {
+      if (!(failure instanceof ProblemError && failure.status === 404)) throw failure;
+    }
   }
 
   private path(): string {
@@ -75,6 +81,7 @@ export class Stateless extends Stepping {
   }
 
   override async stepState(state: State, options: CallOptions = {}): Promise<StepAnswer> {
+    this.follow(state);
     const request = { controller: this.controller, state, memory: this.memory };
     const answer = await this.connection.call<StepAnswer>("POST", "/v1/step", request, this.connection.stepOptions(options));
     this.memory = answer.memory ?? null;

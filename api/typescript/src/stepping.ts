@@ -26,4 +26,9 @@ export abstract class Stepping {
     const sequence = this.#next++;
     return { time_s: sequence * this.periodS, ...measurement, sequence };
   }
+
+  /** Goes on after a state that has its own sequence number. */
+  follow({ sequence }: State): void {
+    this.#next = Math.max(this.#next, sequence + 1);
+  }
 }

@@ -58,7 +58,12 @@ export class Stream extends Stepping {
     return this.session.number(measurement);
   }
 
+  override follow(state: State): void {
+    this.session.follow(state);
+  }
+
   override stepState(state: State, { signal, timeoutMs = this.connection.stepTimeoutMs }: CallOptions = {}): Promise<StepAnswer> {
+    this.follow(state);
     return new Promise((resolve, reject) => {
       signal?.throwIfAborted();
       if (this.#failure) throw this.#failure;

@@ -129,6 +129,25 @@ suite("controllers", () => {
     assert.deepEqual([steps, retries], [2, 1]);
   });
 
+  test("a step goes on after the largest number of the states", async (t) => {
+    const client = testClient((await serve(t)).url);
+    const stream = await (await client.session(CONTROLLER)).stream();
+    for (const controller of [await client.session(CONTROLLER), stream, client.stateless(CONTROLLER)]) {
+      await controller.stepState({ ...AT_REST, time_s: 0, sequence: 100 });
+      assert.equal((await controller.step(AT_REST)).sequence, 101);
+    }
+    stream.close();
+  });
+
+  test("a session whose end was answered in vain is closed", async (t) => {
+    const proxy = await startFaultyProxy(t, (await serve(t)).url);
+    const session = await testClient(proxy.url).session(CONTROLLER);
+    proxy.dropNextAnswer();
+    await session.close();
+    await assert.rejects(session.status(), { status: 404 });
+    await assert.rejects(session.close({ signal: AbortSignal.abort(new Error("aborted by the test")) }), /aborted by the test/);
+  });
+
   test("a refused state and a late answer do not end a stream", async (t) => {
     const proxy = await startFaultyProxy(t, (await serve(t)).url);
     const stream = await (await testClient(proxy.url).session(CONTROLLER)).stream();

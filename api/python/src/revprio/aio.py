@@ -364,6 +364,7 @@ class AsyncSession(AsyncController):
 
     async def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         return await self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
 
     async def _replace(self, config: ControllerConfig) -> None:
@@ -413,6 +414,7 @@ class AsyncStateless(AsyncController):
 
     async def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         request = StepRequest(controller=self.config, state=state, memory=self.memory)
         answer = await self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
@@ -449,6 +451,7 @@ class AsyncStream(AsyncController):
 
     async def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         limit_s = self._client.step_timeout_s
         end_s = time.monotonic() + limit_s
         try:

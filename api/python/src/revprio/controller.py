@@ -116,18 +116,21 @@ class Controller:
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
-        self._next = state.sequence
-        return Controller.step(
-            self,
-            state.joint_position,
-            joint_velocity=state.joint_velocity,
-            wrench=state.wrench,
-            time_s=state.time_s,
-            targets=state.targets,
-            obstacles=state.obstacles,
-            wrenches=state.wrenches,
-            channels=state.channels,
-        )
+        following, self._next = self._next, state.sequence
+        try:
+            return Controller.step(
+                self,
+                state.joint_position,
+                joint_velocity=state.joint_velocity,
+                wrench=state.wrench,
+                time_s=state.time_s,
+                targets=state.targets,
+                obstacles=state.obstacles,
+                wrenches=state.wrenches,
+                channels=state.channels,
+            )
+        finally:
+            self._next = max(following, self._next)
 
     def __reduce__(self) -> str:
         """Refuses to copy a controller: two copies of one memory would move one arm."""

@@ -120,6 +120,11 @@ _ERROR_BY_STATUS: dict[int, type[ProblemError]] = {
 }
 
 
+def pointer_to(*parts: int | str) -> str:
+    """Returns the JSON pointer to a field, in which `~` and `/` of a name are escaped (RFC 6901)."""
+    return "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in parts)
+
+
 def problem_error(problem: Problem, retry_after_s: float | None = None) -> ProblemError:
     """Returns the exception class that matches the status of a problem."""
     return _ERROR_BY_STATUS.get(problem.status, ProblemError)(problem, retry_after_s)

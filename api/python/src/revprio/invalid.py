@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from revprio.errors import InvalidError
+from revprio.errors import InvalidError, pointer_to
 from revprio.problem import Problem
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def invalid(error: ValidationError, given: object, known: Iterable[str]) -> Inva
     unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
     # An unknown field is often a misspelled one, which is then missing. Of several types, the nearest has most parts.
     first = max(unknown or details, key=lambda detail: len(detail["loc"]) if _is_union(details) else 0)
-    pointer = "".join(f"/{part}" for part in _place(first["loc"], given))
+    pointer = pointer_to(*_place(first["loc"], given))
     problem = Problem(type="/problems/invalid", title="Invalid field", status=422, detail=_text(first, known))
     return InvalidError(problem.model_copy(update={"pointer": pointer or None}))
 

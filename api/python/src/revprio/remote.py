@@ -139,6 +139,7 @@ class Session(RemoteController):
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         return self._client.call(routes.STEP_CONTROLLER(self.id, body=state), self._client.step_timeout_s)
 
     def _replace(self, config: ControllerConfig) -> None:
@@ -188,6 +189,7 @@ class Stateless(RemoteController):
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         request = StepRequest(controller=self.config, state=state, memory=self.memory)
         answer = self._client.call(routes.STEP(body=request), self._client.step_timeout_s)
         self.memory = answer.memory
@@ -225,6 +227,7 @@ class Stream(RemoteController):
 
     def step_state(self, state: State) -> StepAnswer:
         """Runs one control period with a state that has its own sequence number. Sequence numbers must increase."""
+        self._numbering.follow(state)
         limit_s = self._client.step_timeout_s
         end_s = time.monotonic() + limit_s
         try:

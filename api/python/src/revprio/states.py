@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from revprio.bodies import ArrayLike, JointVector
-from revprio.errors import InvalidError
+from revprio.errors import InvalidError, pointer_to
 from revprio.models import ChannelInput, ObstacleState, Problem, State, StreamedTarget, Wrench
 
 
@@ -50,10 +50,14 @@ class StateNumbering:
         self._next += 1
         return state
 
+    def follow(self, state: State) -> None:
+        """Goes on after a state that has its own sequence number."""
+        self._next = max(self._next, state.sequence + 1)
+
 
 def as_wrenches(wrenches: Mapping[str, Wrench | ArrayLike]) -> dict[str, Wrench]:
     """Converts six numbers for each tip to a `Wrench`."""
-    return {tip: as_wrench(wrench, f"/wrenches/{tip}") for tip, wrench in wrenches.items()}
+    return {tip: as_wrench(wrench, pointer_to("wrenches", tip)) for tip, wrench in wrenches.items()}
 
 
 def as_wrench(wrench: Wrench | ArrayLike, pointer: str = "/wrench") -> Wrench:
