@@ -72,6 +72,7 @@ test('recordings are read as CSV, JSON and JSON lines, with the robot whose join
     ['d.json', named], ['e.jsonl', lines], ['f.csv', csv({ names: JOINTS.map((name) => `position_${name}_rad`) })], ['g.csv', own],
     ['h.csv', `time,${JOINTS}\n0,${HOME.map((value) => (value * 180) / Math.PI)}\n1,${HOME.map((value) => (value * 180) / Math.PI)}`],
     ['i.csv', german], ['j.csv', [...Buffer.from(`\uFEFF${german}`, 'utf16le')]], ['k.csv', [...Buffer.from(`\uFEFF${german}`, 'utf16le').swap16()]],
+    ['l.csv', csv().replace(/[^,#\n]+(?=[,\n])/g, '"$&"')], ['m.csv', german.replace(/[^;#\n]+(?=[;\n])/g, '"$&"')],
   ]);
   const common = { robot: 'panda', rows: 201, duration: 4, hasTarget: true, suspicious: 0, last: HOME };
   assert.deepEqual(found[0], { ...common, name: 'a' });
@@ -84,6 +85,7 @@ test('recordings are read as CSV, JSON and JSON lines, with the robot whose join
   assert.ok(found[6].rows > 500, `${found[6].rows} rows`);
   assert.ok(found[7].suspicious > 3, 'degrees are suspicious');
   ['i', 'j', 'k'].forEach((name, i) => assert.deepEqual(found[8 + i], { ...common, name }, 'a decimal comma'));
+  ['l', 'm'].forEach((name, i) => assert.deepEqual(found[11 + i], { ...common, name }, 'quoted cells'));
 }));
 
 /** Simulates the start of a scenario and returns its trace as CSV. */

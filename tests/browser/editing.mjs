@@ -159,6 +159,93 @@ test('a continued run leaves round surfaces, holes, edges and doors where they a
   assert.equal(door.offset_m, undefined);
 }));
 
+test('a continued run goes on with its programs and moving obstacles', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const [inserted, searching, door] = await page.evaluate(async () => {
+    const { continued } = await import('/dashboard/continuation.js');
+    const start = { position: [0.5, 0, 0.4], orientation: { w: 1, x: 0, y: 0, z: 0 } };
+    const of = (program, change) => {
+      const hole = { center: [0.002, 0, 0], clearance_m: 0.0005, depth_m: 0.02 };
+      const scenario = {
+        duration_s: 5, target_programs: [{ task: 'search', ...program }], contacts: [{ kind: 'plane', normal: [0, 0, 1], offset_m: 0.003, hole }],
+        controller: { tasks: [{ name: 'search', axes: ['x', 'y'], law: { kind: 'pose', gain: 3 } }] },
+        obstacle_motions: [{ name: 'ball', displacement: { kind: 'ramp', start: [0, 0, 0], end: [0, 1, 0], duration_s: 4 } }],
+      };
+      return continued(scenario, { joints: [] }, start, { time_s: 3, joint_position: [], orientation: [1, 0, 0, 0], target_force: [null, null, null], ...change });
+    };
+    const spiral = { kind: 'spiral_search', pitch_m: 0.001, speed: 0.01, inserted_m: 0.003 };
+    const force = { kind: 'force_along_motion', force: -15, start_direction: [1, 0, 0], memory_m: 0.005 };
+    return [
+      of(spiral, { position: [0.502, 0, 0.38] }), of(spiral, { position: [0.501, 0, 0.397] }),
+      of(force, { position: [0.5, 0, 0.4], target_force: [-9, -12, 0] }),
+    ];
+  });
+  const place = ({ controller }) => controller.tasks[0].law.target_pose.position;
+  assert.deepEqual([inserted.target_programs, place(inserted)], [[], [0.502, 0, 0.38]], 'the peg stays in its hole');
+  assert.deepEqual([searching.target_programs.map(({ kind }) => kind), place(searching)], [['spiral_search'], [0.5, 0, 0.4]]);
+  assert.deepEqual(door.target_programs[0].start_direction.map((part) => Number(part.toFixed(9)) + 0), [0.6, 0.8, 0]);
+  assert.equal(door.obstacle_motions[0].displacement.start_time_s, -3);
+}));
+
+test('a change while a run starts is in the run', options, () => withPage('scenario=playground&robot=panda', async (page) => {
+  let answer;
+  const asked = new Promise((resolve) => { answer = resolve; });
+  await page.route('**/v1/simulations', async (route) => {
+    await asked;
+    await route.continue();
+  });
+  await page.click('#go');
+  await waitForState(page, 'phase', 'starting');
+  await page.selectOption('#solver', 'qp');
+  await page.focus('#scene');
+  await page.keyboard.press('Shift+ArrowUp');
+  const sent = ['"solver":"qp"', '"targets":'].map((part) => page.waitForResponse((response) => {
+    const request = response.request();
+    return request.url().endsWith('/control') && request.postData().includes(part);
+  }));
+  answer();
+  for (const response of await Promise.all(sent)) assert.equal(response.status(), 200);
+}));
+
+test('undo of a moved target gives it the motion of its law again', options, () => withPage('scenario=playground&robot=panda&motion=eight', async (page) => {
+  await waitForState(page, 'phase', 'running');
+  await page.focus('#scene');
+  await page.keyboard.press('Shift+ArrowUp');
+  await page.waitForFunction(() => !document.getElementById('undo').disabled);
+  await page.click('#undo');
+  await page.waitForFunction(() => document.getElementById('undo').disabled);
+  // The middle of the figure is at y = 0.15 m, and it is 0.22 m wide to both sides.
+  for (const side of [1, -1, 1]) {
+    await page.waitForFunction((side) => {
+      const [, y] = /tool at \S+, (\S+), \S+ m/.exec(document.getElementById('scene').ariaLabel) ?? [];
+      return side * (Number(y?.replace('−', '-')) - 0.15) > 0.1;
+    }, side);
+  }
+}));
+
+test('a refresh of the sessions that is answered late does not leave the simulation', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const { controller } = await (await fetch(`${service.url}/v1/scenarios/stiff_wall`)).json();
+  const headers = { 'content-type': 'application/json' };
+  const { id } = await (await fetch(`${service.url}/v1/controllers`, { method: 'POST', headers, body: JSON.stringify(controller) })).json();
+  let answer;
+  const asked = new Promise((resolve) => { answer = resolve; });
+  await page.route('**/v1/controllers', async (route) => {
+    await asked;
+    await route.continue();
+  });
+  const paths = [];
+  page.on('request', (request) => paths.push(new URL(request.url()).pathname));
+  await Promise.all([page.waitForRequest('**/v1/controllers'), page.click('text=Live session')]);
+  await page.click('text=Simulation');
+  await page.click('#go');
+  await waitForState(page, 'phase', 'running');
+  await Promise.all([page.waitForResponse('**/v1/controllers'), answer()]);
+  // A later answer: the page has read the one before.
+  await page.evaluate(() => fetch('/v1/robots'));
+  assert.deepEqual(paths.filter((path) => path.includes(id)), []);
+  await waitForState(page, 'phase', 'running', 'finished');
+  await fetch(`${service.url}/v1/controllers/${id}`, { method: 'DELETE' });
+}));
+
 test('a watched session has the force on the environment, and no distance that its samples do not tell', options, () => withPage('scenario=stiff_wall', async (page) => {
   const [force, unknown, errors, first] = await page.evaluate(async () => {
     const { Watch } = await import('/dashboard/watch.js');
@@ -243,6 +330,25 @@ test('without a token, or with a character that cannot be sent, the dialog comes
 const CRANK = `<robot name="crank"><link name="base"/><link name="arm"/><link name="tool"/>
   <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1.5" effort="1"/></joint>
   <joint name="hand" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.5 0 0"/></joint></robot>`;
+
+test('a changed robot replaces the one before only if the service accepts it', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const take = (text) => page.setInputFiles('#urdf', { name: 'crank.urdf', mimeType: 'text/xml', buffer: Buffer.from(text) });
+  const limits = async () => (await (await fetch(`${service.url}/v1/robots/my_crank`)).json()).joints?.map(({ velocity_limit: limit }) => limit);
+  await take(CRANK);
+  await page.waitForFunction(() => document.getElementById('robot').value === 'my_crank');
+  await take(CRANK.replace('xyz="0 0 1"', 'xyz="0 0 0"'));
+  await page.waitForSelector('.notice:not(.info)');
+  assert.deepEqual(await limits(), [1.5]);
+  await take(CRANK.replace('</robot>', '<link name="other"/><joint name="side" type="fixed"><parent link="arm"/><child link="other"/></joint></robot>'));
+  await page.waitForSelector('#tip-dialog[open]');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#tip-dialog:not([open])', { state: 'attached' });
+  assert.deepEqual(await limits(), [1.5]);
+  const replaced = page.waitForResponse((response) => response.url().endsWith('/v1/robots') && response.status() === 201);
+  await take(CRANK.replace('velocity="1.5"', 'velocity="2.5"'));
+  await replaced;
+  assert.deepEqual(await limits(), [2.5]);
+}));
 
 test('a robot that was dropped onto the page is there again when the service was started again', options, async () => {
   const first = await serve();

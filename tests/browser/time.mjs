@@ -52,11 +52,126 @@ test('a history knows the scenario of each of its parts', options, () => withPag
     const { History } = await import('/dashboard/history.js');
     const history = new History();
     history.begin({ name: 'first' }, null, []);
-    history.last = { time_s: 2 };
+    history.last = { time_s: 2, position: [0, 0, 0], orientation: [1, 0, 0, 0] };
     history.begin({ name: 'second' }, null, [1, 0]);
     return [0, 1.9, 2.1, null].map((time) => history.segmentAt(time).scenario.name);
   });
   assert.deepEqual(names, ['first', 'first', 'second', 'second']);
+}));
+
+/** Makes in the page a sample with the tool at a place, and a run control with a scenario and its changes; the functions are in `globalThis.made`. */
+const makeRunControl = (page) => page.evaluate(async () => {
+  const { History } = await import('/dashboard/history.js');
+  const { RunControl } = await import('/dashboard/run_control.js');
+  const { defaults } = await import('/dashboard/setup.js');
+  const sample = (time_s, position, change) => ({
+    time_s, position, orientation: [1, 0, 0, 0], force: [0, 0, 0], target_force: [null, null, null], wall_distance_m: null, residual_norms: [],
+    task_residuals: [], at_lower: [], at_upper: [], active_inequalities: [], joint_position: [], joint_velocity: [], ...change,
+  });
+  const runControl = async (name, change) => {
+    const scenario = await (await fetch(`/v1/scenarios/${name}`)).json();
+    const setup = { ...defaults(scenario), ...change };
+    const history = new History();
+    return Object.assign(new RunControl(() => {}, () => {}), { scenario, setup, preview: null, run: { history, simulation: { method: setup.method } } });
+  };
+  globalThis.made = { sample, runControl };
+});
+
+test('a wall is drawn where it is, in the past of a continued run and while it moves', options, () => withPage('scenario=stiff_wall', async (page) => {
+  await makeRunControl(page);
+  const { walls, moving } = await page.evaluate(async () => {
+    const { continued } = await import('/dashboard/continuation.js');
+    const { world } = await import('/dashboard/world.js');
+    const { sample, runControl } = globalThis.made;
+    const start = [0.4, 0, 0.6];
+    const of = async (name, change) => {
+      const control = await runControl(name, change);
+      const { applied, history } = control;
+      history.begin(applied, null, []);
+      history.push(sample(0, start));
+      history.push(sample(2, [0.45, 0, 0.6]));
+      history.begin(continued(applied, { joints: [] }, { position: start }, { ...history.last, joint_position: [] }), null, []);
+      history.push(sample(1, [0.45, 0, 0.6], { wall_distance_m: 0.001 }));
+      return [1, 2.5, null].map((cursor) => world(Object.assign(control, { cursor })).contacts[0].at[0]);
+    };
+    const plane = { name: 'wall 1', kind: 'wall', side: '+z', offset: 0.601 };
+    return { walls: await of('stiff_wall', {}), moving: await of('moving_wall', { planes: [plane] }) };
+  });
+  const near = (given, expected) => given.forEach((place, i) => assert.ok(Math.abs(place - expected[i]) < 1e-9, `${given}, not ${expected}`));
+  near(walls, [walls[0], walls[0], walls[0]]);
+  // A sine of 1 cm and 2 rad/s, 2 cm from the start.
+  near(moving, [1, 2.5, 3].map((time) => 0.42 + 0.01 * Math.sin(2 * time)));
+}));
+
+test('the past shows the bounds of a velocity only in their period, and a joint at a limit as the answer says', options, () => withPage('scenario=stiff_wall', async (page) => {
+  await makeRunControl(page);
+  const { bounds, marks } = await page.evaluate(async () => {
+    const { velocities } = await import('/dashboard/bars.js');
+    const { SvgSurface } = await import('/dashboard/svg.js');
+    const { printPalette } = await import('/dashboard/theme.js');
+    const { shownArm } = await import('/dashboard/view.js');
+    const { sample, runControl } = globalThis.made;
+    const control = await runControl('stiff_wall', {});
+    const { history } = control;
+    const joint = { origin: [0, 0, 0], axis: [0, 0, 1], lower: -0.1, upper: 0.1 };
+    history.push(sample(0.1, [0, 0, 0]));
+    history.push(sample(0.2, [0, 0, 0]));
+    history.pushArm(0.2, { joints: [joint], tool: { position: [0, 0, 0], orientation: { w: 1, x: 0, y: 0, z: 0 } } });
+    const bounds = [0.1, 0.15, 0.2].map((cursor) => shownArm(Object.assign(control, { cursor })).joints[0].upper);
+    const colours = printPalette();
+    const marks = [[], [0]].map((at_upper) => {
+      const surface = new SvgSurface();
+      const view = { robot: { joints: [{ name: 'a', velocity_limit: 1 }] }, labels: ['a'], velocity: [0.5], arm: { joints: [joint] }, sample: sample(0, [0, 0, 0], { at_upper }) };
+      velocities(surface, 300, 60, view, colours);
+      return surface.text.includes(colours.alarm);
+    });
+    return { bounds, marks };
+  });
+  assert.deepEqual(bounds, [null, null, 0.1]);
+  assert.deepEqual(marks, [false, true]);
+}));
+
+test('the postures of a run belong to samples', options, () => withPage('scenario=joint_limits', async (page) => {
+  const times = await page.evaluate(async () => {
+    const { History } = await import('/dashboard/history.js');
+    const { Run } = await import('/dashboard/run.js');
+    const scenario = await (await fetch('/v1/scenarios/joint_limits')).json();
+    const history = new History();
+    const run = await new Promise((resolve) => {
+      Run.start({ scenario: { ...scenario, duration_s: 0.3 }, interactive: { speed: 1, paused: false } }, () => {}, resolve, history);
+    });
+    await run.delete();
+    const known = history.samples.map(({ time_s }) => time_s);
+    return [history.arms.length, history.arms.filter(({ time }) => !known.includes(time)).length];
+  });
+  assert.ok(times[0] > 0);
+  assert.equal(times[1], 0);
+}));
+
+test('a joint without limits is drawn on its circle, and is not at a limit', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const [limited, free] = await page.evaluate(async () => {
+    const { positions } = await import('/dashboard/bars.js');
+    const { SvgSurface } = await import('/dashboard/svg.js');
+    const { printPalette } = await import('/dashboard/theme.js');
+    const colours = printPalette();
+    const of = (position_limit, q) => {
+      const surface = new SvgSurface();
+      positions(surface, 300, 60, { robot: { joints: [{ name: 'a', unit: 'rad', position_limit }] }, labels: ['a'], position: [q] }, colours);
+      const { text } = surface;
+      return { isNear: text.includes(colours.alarm), hasRange: text.includes(colours.allowed), circle: /d="(M[^"]*a[^"]*)"/.exec(text)?.[1] };
+    };
+    return [[of([-3.2, 3.2], 3.1)], [3.1, 3.1 + 2 * Math.PI, 3.1 - 4 * Math.PI].map((q) => of(null, q))];
+  });
+  assert.deepEqual([limited[0].isNear, limited[0].hasRange], [true, true]);
+  for (const { isNear, hasRange, circle } of free) assert.deepEqual([isNear, hasRange, circle], [false, false, free[0].circle]);
+}));
+
+test('the ticks of a time on the clock of Unix have different labels', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const labels = await page.evaluate(async () => {
+    const { tickLabel, ticks } = await import('/dashboard/plot.js');
+    return [[1761234547.25, 1761234567.25, 5], [0, 0.31, 3], [-1e4, 1e4, 2]].map(([low, high, max]) => ticks({ low, high }, max).map((tick) => tickLabel(tick, false)).join(' '));
+  });
+  assert.deepEqual(labels, ['1761234550 1761234555 1761234560 1761234565', '0 0.2', '−10000 0 10000']);
 }));
 
 test('the past is replayed, once or round and round', options, () => withPage('scenario=joint_limits', async (page) => {

@@ -17,9 +17,6 @@ import { FONT, line } from './plot.js';
  * @property {number} width px
  */
 
-/** Distance to a bound below which a velocity counts as limited by it, rad/s or m/s. */
-const BOUND_TOLERANCE = 1e-4;
-
 /** @type {(surface: Surface, width: number, height: number, names: string[], values: string[], colours: Palette) => Row[]} */
 function rows(surface, width, height, names, values, colours) {
   const [left, right] = [labelWidth(names), 54];
@@ -66,14 +63,14 @@ export function velocities(surface, width, height, view, colours) {
     line(surface, row.left, middle, row.left + row.width, middle);
     surface.fillStyle = colours.allowed;
     surface.globalAlpha = 0.5;
-    surface.fillRect(at(low), middle - thickness / 2, at(high) - at(low), thickness);
+    if (lower !== null || upper !== null) surface.fillRect(at(low), middle - thickness / 2, at(high) - at(low), thickness);
     surface.globalAlpha = 1;
     surface.strokeStyle = colours.muted;
     for (const bound of [low, high]) {
       if (Math.abs(bound) > fastest * 1.001) continue;
       line(surface, at(bound), middle - thickness / 2, at(bound), middle + thickness / 2);
     }
-    const side = view.arm && (velocity >= high - BOUND_TOLERANCE ? 1 : velocity <= low + BOUND_TOLERANCE ? -1 : 0);
+    const side = view.sample?.at_upper.includes(i) ? 1 : view.sample?.at_lower.includes(i) ? -1 : 0;
     surface.fillStyle = side ? colours.alarm : colours.accent;
     const length = Math.max(1, Math.abs(at(velocity) - at(0)));
     surface.fillRect(Math.min(at(0), at(velocity)), middle - thickness / 4, length, thickness / 2);
@@ -93,21 +90,24 @@ export function positions(surface, width, height, view, colours) {
   const joints = view.robot?.joints ?? [];
   const all = rows(surface, width, height, view.labels, view.position.map(format), colours);
   all.forEach((row, i) => {
-    const range = joints[i].position_limit ?? [-Math.PI, Math.PI];
+    const range = joints[i].position_limit;
     const q = view.position[i];
     const middle = row.top + row.high / 2;
     const thickness = Math.min(7, row.high / 2);
-    surface.fillStyle = colours.allowed;
-    surface.globalAlpha = 0.5;
-    surface.fillRect(row.left, middle - thickness / 2, row.width, thickness);
-    surface.globalAlpha = 1;
     surface.strokeStyle = colours.muted;
     surface.lineWidth = 1;
-    for (const end of [row.left, row.left + row.width]) line(surface, end, middle - thickness, end, middle + thickness);
+    if (range) {
+      surface.fillStyle = colours.allowed;
+      surface.globalAlpha = 0.5;
+      surface.fillRect(row.left, middle - thickness / 2, row.width, thickness);
+      surface.globalAlpha = 1;
+      for (const end of [row.left, row.left + row.width]) line(surface, end, middle - thickness, end, middle + thickness);
+    }
     line(surface, row.left + row.width / 2, middle - thickness / 2, row.left + row.width / 2, middle + thickness / 2);
     if (q === undefined) return;
-    const part = (q - range[0]) / (range[1] - range[0]);
-    const isNear = part < 0.03 || part > 0.97;
+    // Without limits: the angle from −π to π.
+    const part = range ? (q - range[0]) / (range[1] - range[0]) : 0.5 + Math.atan2(Math.sin(q), Math.cos(q)) / (2 * Math.PI);
+    const isNear = range && (part < 0.03 || part > 0.97);
     surface.fillStyle = isNear ? colours.alarm : colours.accent;
     surface.beginPath();
     surface.arc(row.left + row.width * Math.max(0, Math.min(1, part)), middle, Math.min(6, row.high / 2.6), 0, 2 * Math.PI);

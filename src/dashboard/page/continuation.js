@@ -3,12 +3,14 @@
 import { vec } from './arm.js';
 import { dot, norm, sub, unit, scale } from './geometry.js';
 import { inTaskFrame, positionRows, referencePose } from './goals.js';
+import { toolPose } from './measures.js';
 import { shifted } from './profile.js';
 
 /**
  * @typedef {import('./types.js').Scenario} Scenario
  * @typedef {import('./types.js').ControllerTask} Task
  * @typedef {import('./types.js').Contact} Contact
+ * @typedef {import('./types.js').TargetProgram} TargetProgram
  * @typedef {import('./types.js').Pose} Pose
  * @typedef {import('./types.js').LiveSample} LiveSample
  * @typedef {import('./types.js').Robot} Robot
@@ -32,8 +34,13 @@ export function continued(scenario, robot, start, sample) {
   const next = structuredClone(scenario);
   next.duration_s = Math.max(MIN_DURATION, scenario.duration_s - time);
   next.start_joint_position = sample.joint_position.map((q, joint) => withinRange(q, robot.joints[joint].position_limit));
-  next.controller.tasks = scenario.controller.tasks.map((task) => continuedTask(task, start, time));
   next.contacts = (scenario.contacts ?? []).map((contact) => continuedContact(contact, moved, time));
+  const programs = scenario.target_programs ?? [];
+  const ended = programs.filter((program) => hasFound(program, next.contacts ?? []));
+  next.target_programs = programs.filter((program) => !ended.includes(program)).map((program) => continuedProgram(program, sample));
+  const held = ended.map(({ task }) => task);
+  next.controller.tasks = scenario.controller.tasks.map((task) => continuedTask(task, held.includes(task.name) ? toolPose(sample) : start, time));
+  next.obstacle_motions = (scenario.obstacle_motions ?? []).map((motion) => ({ ...motion, displacement: shifted(motion.displacement, time) }));
   if (next.external_wrench) next.external_wrench = shifted(next.external_wrench, time);
   if (next.faults?.outages) {
     next.faults.outages = next.faults.outages
@@ -60,6 +67,18 @@ function continuedTask(task, start, time) {
     law.target_pose = inTaskFrame(task, referencePose(task, start));
   }
   return { ...task, law };
+}
+
+/** Returns whether a search has led the tool into the hole; its task then holds this place. @type {(program: TargetProgram, contacts: Contact[]) => boolean} `contacts`: as seen from the tool */
+function hasFound(program, contacts) {
+  return program.kind === 'spiral_search' && contacts.some(({ hole, offset_m: away = 0 }) => hole && away < -program.inserted_m);
+}
+
+/** A force along the motion keeps its direction. A search that has found nothing begins anew about the tool. @type {(program: TargetProgram, sample: LiveSample) => TargetProgram} */
+function continuedProgram(program, { target_force: force }) {
+  if (program.kind !== 'force_along_motion') return program;
+  const direction = vec(force.map((part) => (part ?? 0) / program.force));
+  return norm(direction) > 0 ? { ...program, start_direction: direction } : program;
 }
 
 /** @type {(contact: Contact, moved: [number, number, number], time: number) => Contact} */

@@ -1,6 +1,7 @@
 // Changes to the setup: applied to the current run where possible, recorded for undo, and marked in the plots.
 
 import { continued } from './continuation.js';
+import { targetPose } from './goals.js';
 import { Measures } from './measures.js';
 import * as setups from './setup.js';
 import { state } from './state.js';
@@ -12,6 +13,7 @@ import { shownController } from './view.js';
  * @typedef {import('./run.js').Run} Run
  * @typedef {import('./setup.js').Setup} Setup
  * @typedef {import('./types.js').Scenario} Scenario
+ * @typedef {import('./types.js').ControllerTask} Task
  * @typedef {import('./types.js').SimulationControl} SimulationControl
  */
 
@@ -80,7 +82,8 @@ async function restore(runControl) {
     if (key !== 'speed' && JSON.stringify(before[key]) !== JSON.stringify(setup[key])) change[key] = before[key];
   }
   await apply(runControl, change);
-  if (change.targets) resendTargets(runControl, setup);
+  // A run that was continued has the targets.
+  if (change.targets && !movesAgain(runControl, setup)) resendTargets(runControl, setup);
 }
 
 /** Selects a scenario or a robot, and records the setup. @type {(runControl: RunControl, name: string, robot?: string, press?: Setup['press']) => Promise<void>} */
@@ -104,9 +107,11 @@ async function apply(runControl, change, continues = false) {
   if (!before || !runControl.scenario) return;
   runControl.setup = { ...before, ...change };
   runControl.onChange();
+  // A run that is being made gets the change afterwards.
+  await runControl.started.catch(() => {});
   if (!runControl.isActive) return;
   if (change.ghosts) dropGhosts(runControl);
-  const needsRun = change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined;
+  const needsRun = change.order || change.planes || change.obstacles !== undefined || change.motion !== undefined || movesAgain(runControl, before);
   const current = currentRuns(runControl);
   try {
     if (needsRun) {
@@ -189,13 +194,26 @@ async function restart(runControl, { run, ghosts, paused }) {
   const old = [run, ...ghosts].filter((each) => each === runControl.run || runControl.ghosts.includes(each));
   runControl.ghosts = [];
   runControl.delete(old);
-  await runControl.startRuns(scenario, run.history, others, paused);
+  runControl.started = runControl.startRuns(scenario, run.history, others, paused);
+  await runControl.started;
 }
 
 /** Prepares a history for the run that continues it. @type {(history: import('./history.js').History, scenario: Scenario, order: number[]) => void} */
 function prepare(history, scenario, order) {
   const { measures } = history;
   history.begin(scenario, new Measures(scenario.controller, measures?.start ?? null, measures?.kinematics ?? null), order);
+}
+
+/** Returns the task of the setup with this name. @type {(runControl: RunControl, wanted: string) => Task | undefined} */
+const ownTask = ({ applied }, wanted) => applied?.controller.tasks.find(({ name }) => name === wanted);
+
+/** Returns whether a task that held a moved target follows the motion of its law again: a streamed target has no motion. @type {(runControl: RunControl, before: Setup) => boolean} */
+function movesAgain(runControl, before) {
+  return Object.keys(before.targets).some((name) => {
+    const law = ownTask(runControl, name)?.law;
+    const motion = law && 'target_displacement' in law && law.target_displacement;
+    return !runControl.setup?.targets[name] && motion && motion.kind !== 'constant';
+  });
 }
 
 /** Sends the targets that a change of the setup moved. @type {(runControl: RunControl, before: Setup) => void} */
@@ -205,16 +223,10 @@ function resendTargets(runControl, before) {
     const [old, now] = [before.targets[task.name], setup?.targets[task.name]];
     if (!old || JSON.stringify(old) === JSON.stringify(now)) continue;
     const start = history.measures?.start ?? preview?.tool;
-    const own = runControl.scenario?.controller.tasks.find(({ name }) => name === task.name);
-    const pose = now ?? (own && start ? ownTarget(runControl, own, start) : null);
+    const own = ownTask(runControl, task.name);
+    const pose = now ?? (own && start ? targetPose(own, start, 0) : null);
     if (pose) sendTarget(runControl, task, pose);
   }
-}
-
-/** @type {(runControl: RunControl, task: import('./types.js').ControllerTask, start: import('./types.js').Pose) => import('./types.js').Pose} */
-function ownTarget({ history, scenario }, task, start) {
-  const controller = scenario?.controller;
-  return new Measures(controller ?? { tasks: [], robot: '', period_s: 1 }, start).target(task, history.now);
 }
 
 const GAIN_SIGNS = /** @type {Record<string, string>} */ ({ inertia: 'M_d', damping: 'B_d', stiffness: 'K_d' });

@@ -53,7 +53,7 @@ export function ghostsOf(runControl, now) {
 function ofRun(runControl, run, now) {
   const { cursor, setup } = runControl;
   const { history, frame, simulation } = run;
-  const arm = cursor === null ? frame?.arm : history.armAt(cursor);
+  const arm = cursor === null ? frame?.arm : history.armAt(cursor)?.arm;
   if (!arm) return [];
   const sample = cursor === null ? history.last : history.samples[Math.max(0, history.indexAt(cursor))];
   const isEven = now !== null && cursor === null && state.value.phase === 'running';

@@ -14,6 +14,7 @@ import { toolPose } from './measures.js';
  * @property {import('./types.js').Scenario} scenario
  * @property {Measures | null} measures
  * @property {number[]} order column of each task
+ * @property {Pose | null} start pose of the tool at its first time; null: that of the first sample
  */
 
 /** Maximum number of samples. When it is reached, every second sample is removed. */
@@ -110,7 +111,7 @@ export class History {
     this.measures = measures;
     this.offset = this.now;
     this.order = order;
-    this.segments.push({ from: this.now, scenario, measures, order });
+    this.segments.push({ from: this.now, scenario, measures, order, start: this.last ? toolPose(this.last) : null });
   }
 
   /** Returns the part at a time; the latest one for null. @type {(time: number | null) => Segment | undefined} */
@@ -132,7 +133,7 @@ export class History {
     this.stride *= 2;
   }
 
-  /** @type {(time: number, arm: ArmView) => void} stores a posture; `time` is that of its own run, s */
+  /** @type {(time: number, arm: ArmView) => void} stores the posture of a sample; `time` is that of its own run, s */
   pushArm(time, arm) {
     this.arms.push({ time: time + this.offset, arm });
     if (this.arms.length > CAPACITY) this.arms = this.arms.filter((_, i) => i % 2 === 1);
@@ -164,12 +165,12 @@ export class History {
     return low - 1;
   }
 
-  /** Returns the posture nearest to a time. @type {(time: number) => ArmView | null} */
+  /** Returns the posture nearest to a time, with its time. @type {(time: number) => {time: number, arm: ArmView} | undefined} */
   armAt(time) {
     const next = this.arms.findIndex((entry) => entry.time >= time);
-    if (next < 0) return this.arms.at(-1)?.arm ?? null;
+    if (next < 0) return this.arms.at(-1);
     const [before, after] = [this.arms[next - 1], this.arms[next]];
-    return before && time - before.time < after.time - time ? before.arm : after.arm;
+    return before && time - before.time < after.time - time ? before : after;
   }
 
   /**

@@ -67,7 +67,8 @@ export function tickLabel(value, log) {
     const digits = Number((value / 10 ** power).toPrecision(3));
     return `${digits === 1 ? '' : `${digits}·`}${powerOfTen(power)}`.replace('-', '−');
   }
-  return String(Number(value.toPrecision(6))).replace('-', '−');
+  // Without the rounding error of a tick, and with all digits of a time on the clock of Unix.
+  return String(Number(value.toPrecision(12))).replace('-', '−');
 }
 
 /**

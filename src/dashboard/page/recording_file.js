@@ -50,8 +50,9 @@ function fromCsv(file, text) {
   const kept = lines.flatMap((line, i) => (line.trim() === '' || line.startsWith('#') ? [] : [i]));
   const header = lines[kept[0]] ?? '';
   const separator = [',', ';', '\t'].find((mark) => header.includes(mark)) ?? ',';
-  const names = header.split(separator).map((word) => word.trim().replace(/^"(.*)"$/, '$1'));
-  const cellsOf = (/** @type {string} */ line) => line.split(separator).map((text) => (separator === ',' ? text : text.replace(',', '.')));
+  const wordsOf = (/** @type {string} */ line) => line.split(separator).map((word) => word.trim().replace(/^"(.*)"$/, '$1'));
+  const names = wordsOf(header);
+  const cellsOf = (/** @type {string} */ line) => (separator === ',' ? wordsOf(line) : wordsOf(line).map((word) => word.replace(',', '.')));
   const time = names.findIndex((name) => TIMES.includes(name));
   if (time < 0) throw new Error(`${file} has no column time_s; its first line must name time_s and the joints, and starts with “${header.slice(0, 60)}”`);
   // The cells of one row at a time: those of a long file would need much memory.

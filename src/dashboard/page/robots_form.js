@@ -63,8 +63,6 @@ export async function register(runControl, given) {
   const stem = path.replace(/\.\w+$/, '');
   const stated = await overrides(files.get(`${stem}.json`));
   const name = robotName(parsed.name || stem.replace(/^.*\//, ''));
-  const known = runControl.robots.find((robot) => robot.name === name);
-  if (known) await removeNow(`/v1/robots/${name}`);
   const registered = await registerChain({ ...stated, name, urdf });
   if (!registered) return;
   const { robot, registration } = registered;
@@ -109,6 +107,11 @@ async function registerChain(registration) {
     return { robot: await post('/v1/robots', registration), registration };
   } catch (error) {
     if (!(error instanceof ApiError)) throw error;
+    // The service checks the name last, so it accepts the robot in place of the one before.
+    if (error.status === 409) {
+      await removeNow(`/v1/robots/${registration.name}`);
+      return { robot: await post('/v1/robots', registration), registration };
+    }
     const { pointer, candidates = [], detail } = error.problem;
     const field = pointer === '/tip' ? 'tip' : 'base';
     if (pointer !== `/${field}` || candidates.length === 0 || registration[field]) throw error;

@@ -61,7 +61,8 @@ export class Run {
       this.frame = frame;
       this.simulation = frame.run;
       for (const sample of frame.samples) this.history.push(sample);
-      if (frame.samples.length > 0) this.history.pushArm(frame.time_s, frame.arm);
+      const last = frame.samples.at(-1);
+      if (last) this.history.pushArm(last.time_s, frame.arm);
       this.ended = name === 'end';
       onFrame(this);
     };

@@ -85,6 +85,8 @@ export class RunControl {
     this.startsPaused = false;
     /** Whether the service has the runs paused only until all of them are made. */
     this.begins = false;
+    /** Ends when the latest start has made its runs. @type {Promise<void>} */
+    this.started = Promise.resolve();
     /** Ends when the service has deleted the runs of before. @type {Promise<unknown>} */
     this.deletion = Promise.resolve();
     this.lastMoveTime = -Infinity;
@@ -257,7 +259,8 @@ export class RunControl {
       return made;
     };
     const ghosts = setup.ghosts.map((method) => ({ method, scenario: applied, history: history() }));
-    await this.startRuns(applied, history(), ghosts, paused);
+    this.started = this.startRuns(applied, history(), ghosts, paused);
+    await this.started;
   }
 
   /**

@@ -37,7 +37,9 @@ export function bind(runControl, attempt) {
 /** @type {(runControl: RunControl, attempt: Attempt) => Promise<void>} */
 async function listSessions(runControl, attempt) {
   const { controllers } = await sessions();
-  const { session } = state.value;
+  const { session, source } = state.value;
+  // The user has left the sessions meanwhile.
+  if (source !== 'session') return;
   const known = controllers.map(({ id, robot, steps, idle_s }) => ({
     value: id, name: `${robot}, ${id.slice(0, 8)}: ${steps} steps, ${idle_s < 2 ? 'active' : `idle ${Math.round(idle_s)} s`}`,
   }));

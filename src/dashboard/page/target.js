@@ -71,8 +71,9 @@ let isSending = false;
 /** @type {{task: Task, pose: Pose} | null} */
 let waiting = null;
 
-/** Sends a target to the run and its ghosts, after the one before it. @type {(runControl: RunControl, task: Task, pose: Pose) => void} */
-export function sendTarget(runControl, task, pose) {
+/** Sends a target to the run and its ghosts, after the one before it. A run that is being made gets it afterwards. @type {(runControl: RunControl, task: Task, pose: Pose) => Promise<void>} */
+export async function sendTarget(runControl, task, pose) {
+  await runControl.started.catch(() => {});
   if (!runControl.isActive) return;
   for (const run of [runControl.run, ...runControl.ghosts]) {
     const { history } = run ?? {};

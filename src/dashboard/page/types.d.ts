@@ -30,6 +30,7 @@ export type ControllerTask = Schemas['ControllerTask'];
 export type Contact = Schemas['Contact'];
 export type Inequality = Schemas['Inequality'];
 export type Profile = Schemas['Profile'];
+export type TargetProgram = Schemas['TargetProgram'];
 export type Pose = Schemas['Pose'];
 export type Quaternion = Schemas['Orientation'];
 export type Law = Schemas['Law'];

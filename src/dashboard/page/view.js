@@ -60,14 +60,19 @@ function shownSigma({ history, cursor, kinematics, scenario, watch }) {
 export function shownArm(runControl) {
   const { cursor, history, watch, run, kinematics, robot } = runControl;
   if (cursor !== null && history.arms.length > 0) {
-    const near = history.armAt(cursor);
     const sample = shownSample(runControl);
+    const near = history.armAt(sample?.time_s ?? cursor);
+    if (!near || !sample) return near?.arm ?? null;
     // Samples are denser than postures of the service.
-    return near && sample && kinematics && kinematics.robot === robot?.name ? kinematics.armAt(near, sample.joint_position) : near;
+    const arm = near.time === sample.time_s ? near.arm : withoutBounds(near.arm);
+    return kinematics && kinematics.robot === robot?.name ? kinematics.armAt(arm, sample.joint_position) : arm;
   }
   if (watch) return watch.step?.arm ?? null;
   return run?.frame?.arm ?? runControl.preview;
 }
+
+/** Returns an arm without the bounds of its velocities, which hold in one period only. @type {(arm: ArmView) => ArmView} */
+const withoutBounds = (arm) => ({ ...arm, joints: arm.joints.map((joint) => ({ ...joint, lower: null, upper: null })) });
 
 /** Returns the controller of the run, of the session, or of the setup. @type {(runControl: RunControl) => Controller | undefined} */
 export function shownController({ watch, running, applied, pastScenario }) {

@@ -1,11 +1,12 @@
 // The data of the scene: arm, contacts, planes, forces and targets at the shown time.
 
 import { axisOf, vec } from './arm.js';
-import { add, dot, scale, sub, unit } from './geometry.js';
-import { ghostsOf } from './ghosts.js';
+import { add, scale, unit } from './geometry.js';
+import { ghostsOf, shownTime } from './ghosts.js';
 import { hasForces } from './goals.js';
 import { positionAt, timeToShow } from './playback.js';
 import { jointLabels } from './labels.js';
+import { valueAt } from './profile.js';
 import { room } from './room.js';
 import { methodName } from './setup.js';
 import { state } from './state.js';
@@ -31,14 +32,15 @@ export function world(runControl, now = null) {
   const arm = known && kinematics ? kinematics.armAt(known, position) : known;
   const sample = shownSample(runControl);
   const scenario = watch ? null : (runControl.pastScenario ?? runControl.applied);
-  const start = vec(history.start?.position ?? runControl.preview?.tool.position ?? [0, 0, 0]);
-  const tool = vec(arm?.tool.position ?? [0, 0, 0]);
-  const distance = sample?.wall_distance_m ?? null;
+  // The contacts of an earlier part are stated from its start.
+  const part = cursor === null ? undefined : history.segmentAt(cursor);
+  const start = vec((part?.start ?? history.start ?? runControl.preview?.tool)?.position ?? [0, 0, 0]);
+  const time = shownTime(runControl, now) - (part?.from ?? 0);
   const limited = [...(sample?.at_lower ?? []), ...(sample?.at_upper ?? [])];
   const goal = handle(runControl);
   const contacts = [
     // Doors and round surfaces have no picture.
-    ...(scenario?.contacts ?? []).filter(({ radius_m: radius }) => !radius).map((contact) => currentContact(contact, start, tool, distance)),
+    ...(scenario?.contacts ?? []).filter(({ radius_m: radius }) => !radius).map((contact) => currentContact(contact, start, time)),
     ...planes(runControl, sample?.active_inequalities ?? []),
   ];
   const about = { robot, labels: jointLabels(robot?.joints.map(({ name }) => name) ?? []), controller: shownController(runControl) };
@@ -94,19 +96,14 @@ function planes({ watch, applied, pastScenario }, active) {
  * Returns a contact at its current position.
  * @param {NonNullable<Scenario['contacts']>[number]} contact
  * @param {Vec3} start of the tool
- * @param {Vec3} tool
- * @param {number | null} distance from the tool to the wall, m
+ * @param {number} time since then, s
  * @returns {Contact}
  */
-function currentContact(contact, start, tool, distance) {
+function currentContact(contact, start, time) {
   const offset = contact.offset_m ?? 0;
   const isWall = contact.kind !== 'spring';
   const axis = axisOf('xyz'.indexOf(contact.axis ?? 'x'));
   const inwards = contact.normal ? unit(scale(vec(contact.normal), -1)) : scale(axis, isWall && offset < 0 ? -1 : 1);
-  const at = add(start, contact.normal ? scale(inwards, offset) : scale(axis, offset));
-  const shape = { isWall, isVirtual: false, isTouched: false, inwards };
-  if (!contact.motion || distance === null) return { ...shape, at };
-  // The contact moves. Compute its position from the tool and the distance.
-  const shift = dot(sub(tool, at), inwards) + distance;
-  return { ...shape, at: add(at, scale(inwards, shift)) };
+  const away = offset + (contact.motion ? valueAt(contact.motion, 1, time)[0] : 0);
+  return { isWall, isVirtual: false, isTouched: false, inwards, at: add(start, scale(contact.normal ? inwards : axis, away)) };
 }
