@@ -589,8 +589,8 @@ class ContactReport(Answer):
     - stiffness_bound: Upper bound of the stiffness with which the law computes, N/m or N·m/rad. It starts at the
       stiffest contact.
     - surface_velocity: Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s.
-    - unavoidable_peak: Peak force that no controller can avoid at this approach speed in the stiffest contact, N or
-      N·m.
+    - unavoidable_peak: Peak force that no controller can avoid that brakes with the acceleration of this law, at
+      this approach speed in the stiffest contact, N or N·m.
     - event: The state that began in this period; absent in all others. Count these to count contacts and losses.
     - fault: Why the contact is given up; only in the state `fault`.
     - force: Measured force along the pressing direction, N or N·m.
@@ -613,7 +613,8 @@ class ContactReport(Answer):
     surface_velocity: float
     """Estimated velocity of a surface that moves, along the pressing direction, m/s or rad/s."""
     unavoidable_peak: float
-    """Peak force that no controller can avoid at this approach speed in the stiffest contact, N or N·m."""
+    """Peak force that no controller can avoid that brakes with the acceleration of this law, at this approach speed in
+    the stiffest contact, N or N·m."""
     event: ContactState | None = None
     """The state that began in this period; absent in all others. Count these to count contacts and losses."""
     fault: ContactFault | None = None
@@ -1172,7 +1173,7 @@ class PostureNullSpaceMotion(Tagged):
 
 class InitialPostureNullSpaceMotion(Tagged):
     """The part of K (q_0 − q) in the null space of all tasks, towards the posture of the first state, with a norm of at
-    most 0.1 rad/s; only in controllers.
+    most 0.5 rad/s; only in controllers.
 
     Fields:
 
@@ -4506,7 +4507,7 @@ class SessionStatus(Answer):
 
     Fields:
 
-    - controller: Configuration of the controller, with its defaults.
+    - controller: Configuration of the controller. Fields that equal their default may be left out.
     - id: Identifier of the session.
     - retries: Number of repeated states, which got the same answer again.
     - steps: Number of states answered by a step.
@@ -4515,7 +4516,7 @@ class SessionStatus(Answer):
     """
 
     controller: ControllerConfig
-    """Configuration of the controller, with its defaults."""
+    """Configuration of the controller. Fields that equal their default may be left out."""
     id: str
     """Identifier of the session."""
     retries: int
@@ -4548,8 +4549,8 @@ class TargetAhead(Body):
 
 class StreamedTarget(Body):
     """One target of a task. The law of the task decides which fields it has.  The laws `pose` and `impedance` accept
-    `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` accepts `force`, and `hybrid`
-    accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`.
+    `pose`, `posture` accepts `joint_position`, `velocity` accepts `velocity`, `force` and `contact` accept `force`, and
+    `hybrid` accepts `pose`, `force` or both. A `pose` or a `joint_position` can have its `velocity`.
 
     Fields:
 
@@ -4595,8 +4596,8 @@ class SimulationControl(Body):
 
     Fields:
 
-    - controller: New controller. It may differ from the present one in method, solver and the laws `force`,
-      `impedance`, `hybrid`.
+    - controller: New controller. It may differ from the present one in method, solver, `why` and the laws
+      `contact`, `force`, `impedance`, `hybrid`.
     - end: Whether to finish the run now and keep its trace so far; a paused run does one more period. Default
       `false`.
     - external_force: External force on the tool, N, base axes. Send it again at least once a second: it ends 1 s
@@ -4611,8 +4612,8 @@ class SimulationControl(Body):
     """
 
     controller: ControllerConfig | None = None
-    """New controller. It may differ from the present one in method, solver and the laws `force`, `impedance`,
-    `hybrid`."""
+    """New controller. It may differ from the present one in method, solver, `why` and the laws `contact`, `force`,
+    `impedance`, `hybrid`."""
     end: bool | None = None
     """Whether to finish the run now and keep its trace so far; a paused run does one more period. Default `false`."""
     external_force: Vector | None = None
@@ -4743,7 +4744,8 @@ class State(Body):
     - targets: New targets by task name, if any arrived since the last state; default: none. Between targets the
       task interpolates or extrapolates, as its `streaming` says.
     - wrench: Measured wrench: without the weight of the tool, or the raw reading of the controller's
-      `wrench_sensor`; required by the laws `contact`, `force`, `impedance` and `hybrid`.
+      `wrench_sensor`; required by the laws `contact`, `force`, `impedance` and `hybrid`, and by a `wrench_sensor`,
+      also one that a tare has added.
     - wrenches: Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what
       the tip carries unless the controller has its sensor in `wrench_sensors`; required by the same laws of tasks
       whose `link` is such a tip. Axes are those of `wrench_frame`: of the base, or of the tip itself. Default:
@@ -4770,7 +4772,8 @@ class State(Body):
     interpolates or extrapolates, as its `streaming` says."""
     wrench: Wrench | None = None
     """Measured wrench: without the weight of the tool, or the raw reading of the controller's `wrench_sensor`; required
-    by the laws `contact`, `force`, `impedance` and `hybrid`."""
+    by the laws `contact`, `force`, `impedance` and `hybrid`, and by a `wrench_sensor`, also one that a tare has
+    added."""
     wrenches: dict[str, Wrench] | None = None
     """Measured wrenches of tips other than the tool, by the name of the tip, without the weight of what the tip carries
     unless the controller has its sensor in `wrench_sensors`; required by the same laws of tasks whose `link` is such a
