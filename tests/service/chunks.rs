@@ -207,6 +207,6 @@ fn a_channel_that_an_action_names_twice_is_refused() {
     let state = r#"{"sequence": 1, "time_s": 0, "joint_position": [0, -0.5, 0, 1, 0, 1, 0], "targets": {"hand": {"chunk": [
         {"time_s": 0, "position": [0.5, 0, 0.1], "channels": {"suction": 1, "suction": 0}}]}}}"#;
     let refused = service.post(&format!("{session}/step"), state);
-    assert_eq!(refused.status, 400, "{}", refused.text);
+    refused.assert_refused(422, Some("/targets/hand/chunk/0/channels"));
     assert!(refused.text.contains("`suction` is given twice"), "{}", refused.text);
 }

@@ -280,7 +280,7 @@ fn orientation(sample: &Value) -> Value {
 fn targets_in_the_wrong_order_do_not_end_a_run() {
     let service = Service::start();
     let run = start(&service, "stiff_wall", |_| {}, true);
-    let pose = json!({"position": [0.5, 0.1, 0.3]});
+    let pose = json!({"position": [0.5, 0.1, 0.3], "orientation": {"w": 0.0, "x": 0.0, "y": 1.0, "z": 0.0}});
     let ahead =
         |after_s: [f64; 2]| json!([{"after_s": after_s[0], "pose": pose}, {"after_s": after_s[1], "pose": pose}]);
     let command = |after_s| json!({"targets": {"hold": {"pose": pose, "ahead": ahead(after_s)}}, "step": 3});
