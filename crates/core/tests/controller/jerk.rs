@@ -73,7 +73,9 @@ fn a_long_noisy_rest_on_a_limit_keeps_the_jerk_and_reports_no_conflict() {
             let controller = posture(&robot, number, end + outwards, kind, drive, period);
             let mut start = middle(&robot);
             start[number] = end - 0.01 * outwards;
-            let (mut arm, mut found) = (LaggingArm::at_rest(&start, drive, NOISE, 1), Use::default());
+            let mut arm = LaggingArm::at_rest(&start, drive, NOISE, 1);
+            // The limit must be reached.
+            let mut found = Use { position: f64::NEG_INFINITY, ..Use::default() };
             let (mut stepper, mut memory) = (Stepper::new(controller).unwrap(), None);
             let (mut commands, mut shortest) = (vec![vec![0.0; start.len()]; 2], f64::INFINITY);
             for period_number in 0..10_000 {

@@ -42,6 +42,8 @@ struct Findings {
     qp: Error,
     /// Number of answers of `qp` that say that they are not sure.
     unsure: u32,
+    /// Problems whose answers by `auto` and `qp` were compared.
+    compared: u32,
     /// Number of problems with a task that one solver slows down in its direction and the other one does not.
     slowed_differently: u32,
     /// Number of problems.
@@ -145,6 +147,7 @@ impl Findings {
             self.slowed_differently += 1;
         } else if !qp.solver.rank_uncertain && !auto.solver.rank_uncertain {
             assert!(qp.solver.kkt_residual.is_some_and(|residual| residual <= 1e-9), "seed {seed}");
+            self.compared += 1;
             self.qp.add(seed, distance(&auto.joint_velocity, &qp.joint_velocity, speed(problem)), EXACT);
         }
     }
@@ -209,6 +212,7 @@ fn assert_all_properties(findings: &Findings) {
     }
     assert!(8 * findings.ill_conditioned <= findings.inside, "{findings:?}");
     assert!(100 * findings.unsure <= findings.problems, "unsure: {findings:?}");
+    assert!(100 * findings.compared >= 80 * findings.problems, "compared: {findings:?}");
     assert!(1000 * findings.slowed_differently <= findings.problems, "slowed differently: {findings:?}");
     assert!(2000 * findings.qp.beyond <= findings.problems && findings.qp.worst <= 1e-6, "qp: {:?}", findings.qp);
 }
