@@ -53,6 +53,8 @@ def outline(obstacle: dict, view: tuple[int, int]) -> mpl.patches.Patch:
         middle = np.array(obstacle["box"]["pose"]["position"])[list(view)]
         size = np.array(obstacle["box"]["size"])[list(view)]
         return mpl.patches.Rectangle(middle - size / 2, *size)
+    if "sphere" in obstacle:
+        return mpl.patches.Circle(np.array(obstacle["sphere"]["center"])[list(view)], obstacle["sphere"]["radius"])
     start, end = (np.array(obstacle["capsule"][name])[list(view)] for name in ("start", "end"))
     radius = obstacle["capsule"]["radius"]
     low, high = np.minimum(start, end) - radius, np.maximum(start, end) + radius
@@ -66,7 +68,7 @@ def draw(scenario: dict, trace: Path, client: revprio.Client, above: plt.Axes, a
     q = postures(trace, [joint.name for joint in client.robot(robot).joints])
     tips = np.array([[line[0] for line in chains(client, robot, position)] for position in q[::20]])
     for axes, view, name in ((above, (0, 1), "y"), (aside, (0, 2), "z")):
-        for obstacle in scenario["controller"]["collisions"]["obstacles"]:
+        for obstacle in scenario["controller"].get("collisions", {}).get("obstacles", []):
             patch = outline(obstacle, view)
             patch.set(facecolor="#d9a441", edgecolor="#8a6414", alpha=0.6)
             axes.add_patch(patch)
@@ -83,12 +85,12 @@ def draw(scenario: dict, trace: Path, client: revprio.Client, above: plt.Axes, a
 
 def main(runs: Path, picture: Path) -> None:
     """Draws all scenarios that have a trace."""
-    files = sorted(Path(__file__).parent.glob("*.toml"))
-    figure, axes = plt.subplots(2, len(files), figsize=(3.4 * len(files), 6.4), layout="constrained")
+    scenarios = [tomllib.loads(file.read_text()) for file in sorted(Path(__file__).parent.glob("*.toml"))]
+    traces = [next(runs.rglob(f"{scenario['name']}-*.csv"), None) for scenario in scenarios]
+    drawn = [(scenario, trace) for scenario, trace in zip(scenarios, traces, strict=True) if trace]
+    figure, axes = plt.subplots(2, len(drawn), figsize=(3.4 * len(drawn), 6.4), layout="constrained", squeeze=False)
     with revprio.Client() as client:
-        for k, file in enumerate(files):
-            scenario = tomllib.loads(file.read_text())
-            trace = next(runs.rglob(f"{scenario['name']}-*.csv"))
+        for k, (scenario, trace) in enumerate(drawn):
             draw(scenario, trace, client, axes[0, k], axes[1, k])
     figure.savefig(picture, dpi=90)
 

@@ -1,8 +1,11 @@
 //! `revprio check`: runs `tools/check/check.py`, which shares no code with this program.
 
+use std::fs::File;
 use std::io::{ErrorKind, Write as _};
-use std::path::PathBuf;
-use std::process::{Command, ExitStatus, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus};
+
+use uuid::Uuid;
 
 use super::output::print_text;
 
@@ -48,6 +51,9 @@ pub enum CheckError {
     /// Python cannot be run.
     #[error("cannot run `{PYTHON}`: {0}")]
     Run(std::io::Error),
+    /// The program cannot be written for Python.
+    #[error("cannot write to the directory for temporary files: {0}")]
+    Write(std::io::Error),
     /// The certificate does not hold or cannot be read; the program has printed why.
     #[error("the certificate does not hold or cannot be read")]
     Ended(ExitStatus),
@@ -60,19 +66,20 @@ pub fn run(options: &Options) -> Result<(), CheckError> {
     if options.script {
         return print_text(SCRIPT).map_err(CheckError::Print);
     }
-    // `-` reads the program from standard input: as an argument, it would be too long for Windows.
-    let started = Command::new(PYTHON)
-        .args(["-I", "-"])
-        .args(options.request.iter().chain(&options.answer))
-        .stdin(Stdio::piped())
-        .spawn();
-    let mut python = started.map_err(|error| match error.kind() {
+    // A file, because its processes read the program again where Python does not fork.
+    let path = std::env::temp_dir().join(format!("revprio-check-{}.py", Uuid::new_v4()));
+    let written = File::create_new(&path).and_then(|mut file| file.write_all(SCRIPT.as_bytes()));
+    let status = written.map_err(CheckError::Write).and_then(|()| check(&path, options));
+    // What is left in the directory for temporary files does no harm.
+    std::fs::remove_file(&path).ok();
+    let status = status?;
+    if status.success() { Ok(()) } else { Err(CheckError::Ended(status)) }
+}
+
+fn check(script: &Path, options: &Options) -> Result<ExitStatus, CheckError> {
+    let inputs = options.request.iter().chain(&options.answer);
+    Command::new(PYTHON).arg("-I").arg(script).args(inputs).status().map_err(|error| match error.kind() {
         ErrorKind::NotFound => CheckError::NoPython,
         _ => CheckError::Run(error),
-    })?;
-    if let Some(mut input) = python.stdin.take() {
-        input.write_all(SCRIPT.as_bytes()).map_err(CheckError::Run)?;
-    }
-    let status = python.wait().map_err(CheckError::Run)?;
-    if status.success() { Ok(()) } else { Err(CheckError::Ended(status)) }
+    })
 }

@@ -16,6 +16,7 @@ use super::out_directory::OutDirectory;
 use super::output::{print_remark, print_text};
 use super::robot::RobotArgument;
 use super::service_choice::ServiceChoice;
+use super::text::quoted;
 use super::traces;
 
 #[derive(Debug, clap::Args)]
@@ -182,9 +183,14 @@ fn command(options: &Options) -> String {
     let list = |words: Vec<String>| words.join(",");
     let methods = list(options.methods.iter().map(ToString::to_string).collect());
     let solvers = list(options.solvers.iter().map(ToString::to_string).collect());
-    let robot = options.robot.as_ref().map(|robot| format!(" --robot {robot}")).unwrap_or_default();
-    let service = options.service.repeated();
-    format!("revprio compare {}{robot} --methods {methods} --solvers {solvers}{service}", options.scenarios.join(" "))
+    let scenarios: Vec<_> = options.scenarios.iter().map(|scenario| quoted(scenario)).collect();
+    let robot = options.robot.as_ref().map(|robot| format!(" --robot {}", quoted(&robot.to_string())));
+    let kinds: Vec<_> =
+        options.write.iter().filter_map(|kind| Some(kind.to_possible_value()?.get_name().to_owned())).collect();
+    let write = if options.write == Kind::ALL { String::new() } else { format!(" --write {}", list(kinds)) };
+    let (scenarios, robot) = (scenarios.join(" "), robot.unwrap_or_default());
+    let (service, traces) = (options.service.repeated(), options.traces.repeated());
+    format!("revprio compare {scenarios}{robot} --methods {methods} --solvers {solvers}{service}{write}{traces}")
 }
 
 /// Prints the report.

@@ -42,11 +42,20 @@ SCHEMAS = {
     "/tf": ("foxglove.FrameTransforms", "protobuf"),
     "/scene": ("foxglove.SceneUpdate", "protobuf"),
 }
+
+
+def has_types(schema):
+    parts = [*schema.get("properties", {}).values(), *([schema["items"]] if "items" in schema else [])]
+    return "type" in schema and all(map(has_types, parts))
+
+
 with open(f"{stem}.mcap", "rb") as file:
     reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
     summary = reader.get_summary()
     topics = {channel.topic: summary.schemas[channel.schema_id] for channel in summary.channels.values()}
     assert {topic: (schema.name, schema.encoding) for topic, schema in topics.items()} == SCHEMAS
+    # Foxglove refuses a field without a type.
+    assert all(has_types(json.loads(schema.data)) for schema in topics.values() if schema.encoding == "jsonschema")
     assert summary.statistics.message_count > 0 and summary.chunk_indexes
     (record,) = [record for record in reader.iter_metadata() if record.name == "revprio"]
     assert json.loads(record.metadata["recording"]) == run

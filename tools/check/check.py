@@ -3,7 +3,7 @@
 The request has `"certificate": true`. LINES has an object {"request": ..., "answer": ...} on each line; - is standard input.
 Exit status: 0 the certificate holds, 1 it does not, 2 the input cannot be read. docs/certificate.md explains it.
 This program shares no code with revprio. All sums and products are exact; only the sizes of errors are rounded."""
-import json, multiprocessing, sys
+import json, multiprocessing, os, sys
 from collections import namedtuple
 from fractions import Fraction
 from math import hypot, inf
@@ -341,13 +341,17 @@ def main(paths):
     """Runs the program; returns its exit status."""
     texts = [open(0 if path == "-" else path, encoding="utf-8").read() for path in paths]
     jobs = [[line] for line in texts[0].split("\n") if line.strip()] if len(texts) == 1 else [texts]
-    results = multiprocessing.Pool().map(examine, jobs, chunksize=16)
+    # Processes take longer to start than a few answers need. Without a file they could not start where Python does not fork.
+    is_file = os.path.exists(getattr(sys.modules["__main__"], "__file__", None) or "")
+    results = multiprocessing.Pool().map(examine, jobs, chunksize=16) if is_file and len(jobs) > 16 else [*map(examine, jobs)]
     print(end="".join(f"answer {place}: {unread or 'the certificate does not hold: ' + ', '.join(failed)}\n"
                       for place, (unread, _, failed) in enumerate(results, 1) if unread or failed))
     for check, (what, allowed) in CHECKS.items():
         if found := [errors[check] for _, errors, _ in results if check in errors]:  # Some answer claims this.
             print(f"{'holds' if max(found) <= allowed else 'FAILS'} {max(found):8.1e} of {allowed:5.0e}  {check}: {what}")
     unread, _, broken = (sum(map(bool, part)) for part in zip(*results)) if results else (0, 0, 0)
+    if silent := sum(not (unread or errors) for unread, errors, _ in results):
+        print(f"claim nothing that can be checked, such as `failed`: {silent}")
     print(f"answers: {len(results)}, certificate does not hold: {broken}, cannot be read: {unread}")
     return 1 if broken else 2 if unread or not results else 0
 

@@ -1,7 +1,10 @@
 """A leader arm leads a follower by chunks of joint positions, within its limits. A file can be the leader.
 
-python3 leader_follower.py                   # a simulated leader
-python3 leader_follower.py episode.parquet   # an episode of a LeRobot dataset: columns timestamp and action (degrees)
+python3 leader_follower.py                         # a simulated leader
+python3 leader_follower.py episode.parquet         # the first episode in a file of a LeRobot dataset
+python3 leader_follower.py episode.parquet so101   # the same for another arm than `panda`
+
+The file has the columns timestamp and action (degrees). What an action has after the joints of the arm is left out.
 """
 
 import sys
@@ -11,7 +14,8 @@ import numpy as np
 
 import revprio
 
-ROBOT, PERIOD_S, ACTIONS = "panda", 0.01, 10
+ROBOT = sys.argv[2] if len(sys.argv) > 2 else "panda"
+PERIOD_S, ACTIONS = 0.01, 10
 SETTLING_S = 0.5
 
 
@@ -27,10 +31,13 @@ def recorded(path: str) -> Iterator[tuple[float, np.ndarray]]:
     import pandas  # noqa: PLC0415
 
     episode = pandas.read_parquet(path)
+    if "episode_index" in episode:
+        episode = episode[episode["episode_index"] == episode["episode_index"].iloc[0]]
     for t, action in zip(episode["timestamp"], episode["action"], strict=True):
-        yield float(t), np.deg2rad(action[:7])
+        yield float(t), np.deg2rad(action[:JOINTS])
 
 
+JOINTS = len(revprio.Local().robot(ROBOT).joints)
 frames = list(recorded(sys.argv[1]) if sys.argv[1:] else simulated())
 law = revprio.PostureLaw(gain=8.0, target_position=frames[0][1])
 task = revprio.ControllerTask(name="follow", law=law)

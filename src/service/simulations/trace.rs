@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use futures_util::stream;
-use revprio_lab::simulator::recording::{Format, Recording, WriteError, Writer, write_object};
+use revprio_lab::simulator::recording::{Format, Recording, WriteError, Writer, recording_description, write_object};
 
 use crate::service::accept;
 use crate::service::background::background;
@@ -149,7 +149,7 @@ struct OneObject<W> {
 impl<W: Write + Send> Writer for OneObject<W> {
     fn write(&mut self, recording: &Recording, rows: Range<usize>) -> Result<(), WriteError> {
         if self.is_first {
-            let head = serde_json::to_string(recording)?;
+            let head = recording_description(recording, false)?;
             write!(self.out, "{},\"samples\":[", head.strip_suffix('}').unwrap_or(&head))?;
         }
         for row in rows {

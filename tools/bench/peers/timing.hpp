@@ -36,5 +36,5 @@ Quantiles problem_by_problem(int rounds, std::size_t count, Call call) {
   std::vector<double> medians;
   for (const auto& problem : times) medians.push_back(median_of(problem));
   std::sort(medians.begin(), medians.end());
-  return {medians[medians.size() / 2], medians[medians.size() * 99 / 100]};
+  return {medians[medians.size() / 2], medians[std::lround(0.99 * (medians.size() - 1))]};
 }

@@ -64,6 +64,7 @@ fn paced(connection: &mut Connection, rate_hz: u32, seconds: f64) -> Result<Pace
             due += period;
         }
     }
+    let periods = periods + missed;
     let round_trips =
         Times::of(format!("session step at {rate_hz} Hz, {missed} of {periods} periods missed"), round_trips);
     Ok(Paced {

@@ -56,7 +56,7 @@ pub struct Difference {
 }
 
 /// Sends every recorded state to a service, in order, and compares each answer with the recorded one: commands, residuals,
-/// limits, path and status. Numbers may differ by `tolerance`; with 0 they must be the same bits.
+/// limits, path and status. Numbers may differ by `tolerance`; with 0 they must be equal.
 ///
 /// If the recorded arm executed an older answer because of a fault, that answer is compared, with the joint velocities of the arm's
 /// reaction to the fault. With faults, the answers are only reproducible in the mode in which they were recorded.

@@ -89,6 +89,8 @@ fn drive(
 /// A run that its caller takes from period to period, for callers that cannot wait, such as the event loop of a browser.
 pub struct SteppedRun<'a> {
     scenario: Scenario,
+    /// The tasks of the controller, which an operator may have changed.
+    tasks: Vec<wire::ControllerTask>,
     plant: Plant,
     streams: TargetPrograms,
     conversation: Conversation<'a>,
@@ -121,17 +123,28 @@ impl<'a> SteppedRun<'a> {
         let caller = caller.map_err(|source| RunError::Service { time_s: 0.0, source })?;
         let channel = LossyChannel::new(scenario.faults.clone(), scenario.seed);
         let conversation = Conversation { caller, channel, robot, period_s: scenario.period_s(), held: None };
-        let (start, clarabel) = (Instant::now(), ClarabelLevels::default());
-        Ok(Self { scenario, plant, streams, conversation, start, clarabel, samples: Vec::new(), timings: Vec::new() })
+        let (start, clarabel, tasks) = (Instant::now(), ClarabelLevels::default(), scenario.controller.tasks.clone());
+        Ok(Self {
+            scenario,
+            tasks,
+            plant,
+            streams,
+            conversation,
+            start,
+            clarabel,
+            samples: Vec::new(),
+            timings: Vec::new(),
+        })
     }
 
     /// Runs the next period. Returns whether the run continues.
     pub fn step(&mut self, operator: &mut impl Operator) -> Result<ControlFlow<()>, RunError> {
-        let Self { scenario, plant, streams, conversation, clarabel, samples, timings, .. } = self;
+        let Self { scenario, tasks, plant, streams, conversation, clarabel, samples, timings, .. } = self;
         let period = samples.len() as u64;
         let time_s = period as f64 * scenario.period_s();
         let Influence { external_force, controller, targets } = operator.influence(period);
         if let Some(controller) = controller {
+            tasks.clone_from(&controller.tasks);
             conversation.caller.change(controller);
         }
         let measured = plant.measure(time_s, external_force);
@@ -144,7 +157,7 @@ impl<'a> SteppedRun<'a> {
         if held.is_new {
             clarabel.add(&held.answer.solver.levels);
         }
-        let sample = plant.sample(period, time_s, measured, held, &scenario.controller.tasks);
+        let sample = plant.sample(period, time_s, measured, held, tasks);
         plant.advance(&held.answer.joint_velocity, time_s)?;
         let observed = Observed { sample: &sample, obstacles: &obstacles, answer: &held.answer, round_trip, cycle };
         operator.see(period + 1, &observed);

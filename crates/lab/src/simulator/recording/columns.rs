@@ -40,12 +40,14 @@ impl<'a> TableLayout<'a> {
     /// Returns the layout of a recording.
     pub fn from_recording(recording: &'a Recording, timed: bool) -> Self {
         let first = recording.samples.first();
+        // An operator may change the controller in the middle.
+        let most = |count: fn(&Sample) -> usize| recording.samples.iter().map(count).max().unwrap_or(0);
         Self {
             joints: &recording.joint_names,
             tasks: first.map_or(0, |sample| sample.residual_norms.len()),
-            channels: recording.samples.last().map_or(0, |sample| sample.channels.len()),
-            contacts: recording.samples.last().map_or(0, |sample| sample.contacts.axes()),
-            surfaces: recording.samples.last().map_or(0, |sample| sample.contacts.surface.normal.len()),
+            channels: most(|sample| sample.channels.len()),
+            contacts: most(|sample| sample.contacts.axes()),
+            surfaces: most(|sample| sample.contacts.surface.normal.len()),
             watched: recording.watches_distances(),
             sensed: first.is_some_and(|sample| sample.sensed.is_some()),
             timed,

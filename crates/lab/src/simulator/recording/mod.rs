@@ -51,6 +51,8 @@ pub use contact::{ContactEvent, ContactWord, Contacts, Surfaces};
 #[cfg(feature = "files")]
 pub use csv_table::{cell_text, cell_value};
 #[cfg(feature = "files")]
+pub use description::to_json as recording_description;
+#[cfg(feature = "files")]
 pub use error::{ReadError, WriteError};
 #[cfg(feature = "files")]
 pub use format::{Format, read};
