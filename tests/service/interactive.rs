@@ -286,6 +286,7 @@ fn targets_in_the_wrong_order_do_not_end_a_run() {
     let command = |after_s| json!({"targets": {"hold": {"pose": pose, "ahead": ahead(after_s)}}, "step": 3});
     let refused = service.post(&format!("{run}/control"), &command([0.2, 0.1]).to_string());
     refused.assert_refused(422, Some("/targets/hold/ahead/1"));
-    let status = control(&service, &run, &command([0.1, 0.2]));
-    assert_eq!(status["state"], "running", "{status}");
+    let mut viewer = Viewer::open(&service, &run);
+    control(&service, &run, &command([0.1, 0.2]));
+    viewer.until(|frame| frame["done"] == 3);
 }

@@ -22,6 +22,9 @@ const HALF_WIDTH: f64 = 1.0;
 /// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
 const WIDEST: f64 = 10.0;
 
+/// Distance from the bound of a row, relative to ‖a‖‖x‖, up to which x reaches it.
+const ROUNDING: f64 = 1e-13;
+
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
 const KEPT: f64 = 60.0;
 
@@ -41,12 +44,12 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
     if weight == 1.0 {
         return;
     }
-    let mut parts = vec![Averaged { problem: recorder.last(), x: solution.x.clone(), error: solution.error, weight }];
+    let mut parts = vec![Averaged { problem: recorder.last(), solution: solution.clone(), weight }];
     let reach = Reach::new(hierarchy, hard, damping, recorder);
     for kept in (hard..count).rev() {
-        let Solution { x, error, .. } = reach.answer(kept, recorder);
-        weight = if kept == hard { 1.0 } else { regularity(hierarchy, kept, &x, damping.threshold()) };
-        parts.push(Averaged { problem: recorder.last(), x, error, weight });
+        let found = reach.answer(kept, recorder);
+        weight = if kept == hard { 1.0 } else { regularity(hierarchy, kept, &found.x, damping.threshold()) };
+        parts.push(Averaged { problem: recorder.last(), solution: found, weight });
         if weight == 1.0 {
             break;
         }
@@ -58,39 +61,47 @@ pub fn blend(hierarchy: &Hierarchy, damping: Damping, recorder: &mut Recorder, s
 struct Averaged {
     /// Index of its problem in the record.
     problem: usize,
-    x: Vector,
-    /// Estimate of the error of x.
-    error: f64,
+    solution: Solution,
     weight: f64,
 }
 
 /// Averages the parts, X_K first. A part has its weight in what the parts before leave.
 fn average(hierarchy: &Hierarchy, parts: &[Averaged], recorder: &mut Recorder, solution: &mut Solution) {
-    let (mut rest, mut error) = (1.0, 0.0);
-    let (mut x, mut answer) = (Vector::zeros(solution.x.len()), Vec::new());
+    let (mut rest, mut answer) = (1.0, Vec::new());
     for part in parts {
-        let weight = rest * part.weight;
-        x.axpy(weight, &part.x, 1.0);
-        error += weight * part.error;
-        answer.push(Part { problem: part.problem, weight });
+        answer.push(Part { problem: part.problem, weight: rest * part.weight });
         rest *= 1.0 - part.weight;
     }
     recorder.set_answer(answer);
+    let Some((last, others)) = parts.split_last() else { return };
+    let (mut x, mut error) = (last.solution.x.clone(), last.solution.error);
+    // A bound that all parts reach is reached to the last bit.
+    for part in others.iter().rev() {
+        x += (&part.solution.x - &x) * part.weight;
+        error += (part.solution.error - error) * part.weight;
+    }
     // Large parts may cancel.
     recorder.is_unsure |= error > CERTAIN * x.norm();
     solution.x = hierarchy.clamp(&x);
-    // A bound that the average does not reach holds nothing back.
-    for j in 0..hierarchy.unknowns() {
-        let x = solution.x[j];
-        let multiplier = &mut solution.multipliers[j];
-        if (*multiplier < 0.0 && x > hierarchy.lower[j]) || (*multiplier > 0.0 && x < hierarchy.upper[j]) {
-            *multiplier = 0.0;
-        }
+    keep_reached(hierarchy, solution, &last.solution);
+}
+
+/// Keeps the multipliers of the bounds that x reaches, those of `other` where the solution has none. A bound that the average does
+/// not reach holds nothing back.
+fn keep_reached(hierarchy: &Hierarchy, solution: &mut Solution, other: &Solution) {
+    let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
+        if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }
+    };
+    for (j, multiplier) in solution.multipliers.iter_mut().enumerate() {
+        let reaches = |it: &f64| reaches(*it, solution.x[j], hierarchy.lower[j], hierarchy.upper[j]);
+        *multiplier = [*multiplier, other.multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
     }
+    let speed = solution.x.norm();
     for (level, multipliers) in hierarchy.levels.iter().zip(&mut solution.row_multipliers) {
         for (row, multiplier) in multipliers.iter_mut().enumerate() {
+            let rounding = ROUNDING * level.rows.row(row).norm() * speed;
             let value = level.value(row, &solution.x);
-            if (*multiplier < 0.0 && value > level.lower[row]) || (*multiplier > 0.0 && value < level.upper[row]) {
+            if !reaches(*multiplier, value, level.lower[row] + rounding, level.upper[row] - rounding) {
                 *multiplier = 0.0;
             }
         }

@@ -98,7 +98,9 @@ impl Cascade {
         let program = run.program(level, 1.0);
         if program.is_decided || run.basis.ncols() == 0 {
             run.list_violated(level);
-            run.solution.reports.push(LevelReport::default());
+            let underflows = run.problem.levels.get(level).is_some_and(Level::underflows);
+            let residual = if underflows { f64::INFINITY } else { 0.0 };
+            run.solution.reports.push(LevelReport { residual, ..LevelReport::default() });
             return;
         }
         match self.solve_program(&program) {
@@ -126,7 +128,8 @@ impl Cascade {
         let start = run.solution.x.clone();
         run.step(program, point);
         let closer = run.program(level, CLOSER);
-        let found = self.solve_program(&closer);
+        // The point meets a level that is decided from there on. That is no proof that its bounds are kept.
+        let found = if closer.is_decided { Err(LevelReport::default()) } else { self.solve_program(&closer) };
         let tried = found.as_ref().map_or_else(|failed| failed.iterations, |(_, report)| report.iterations);
         let report = LevelReport { iterations: report.iterations + tried, ..report };
         match found {

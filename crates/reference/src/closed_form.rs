@@ -10,7 +10,7 @@ use crate::certified_formula::{Stage, certificate};
 use crate::damping::{factor, kept_directions};
 use crate::report::{status, write_velocity, write_violations};
 use crate::singularity::Singularities;
-use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd, concatenate, stack};
+use crate::svd::{PROJECTION_ERROR, RANK_TOLERANCE, Svd, concatenate, norm, stack};
 
 /// The printed formula of each method. Do not use it on a real arm. It ignores joint limits.
 #[derive(Debug, Clone, Copy, Default)]
@@ -89,10 +89,10 @@ fn least_squares(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
     let (J, xdot) = stacked(tasks, zeta.len());
     let svd = Svd::new(&J);
     let lambda = factor(damping, svd.smallest());
-    let delta = svd.solve(svd.rank(RANK_TOLERANCE * J.norm()), lambda, &(&xdot - &J * zeta));
+    let delta = svd.solve(svd.rank(RANK_TOLERANCE * norm(&J)), lambda, &(&xdot - &J * zeta));
     let joint_velocity = zeta + &delta;
     let gradient = J.tr_mul(&(&J * &joint_velocity - &xdot)) + lambda * lambda * &delta;
-    let kkt_residual = relative(&gradient, J.norm() + lambda, joint_velocity.norm() + zeta.norm(), xdot.norm());
+    let kkt_residual = relative(&gradient, norm(&J) + lambda, joint_velocity.norm() + zeta.norm(), xdot.norm());
     let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda }];
     Formula { joint_velocity, kkt_residual, stages }
 }
@@ -125,17 +125,17 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
             let svd = Svd::new(&JN);
             // A projector along a weak direction has that much more error.
             let open = J.nrows().min(dimension(&N));
-            let rank = svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / weakest) * J.norm()).min(open);
+            let rank = svd.rank(RANK_TOLERANCE.max(PROJECTION_ERROR / weakest) * norm(J)).min(open);
             let smallest = svd.singular_values()[..open].last().copied().unwrap_or(0.0);
             let lambda = factor(damping, smallest);
             let delta = svd.solve(rank, lambda, &(xdot - J * &qdot));
             qdot += &delta;
             let gradient = JN.tr_mul(&(J * &qdot - xdot)) + lambda * lambda * &delta;
             kkt_residual =
-                kkt_residual.max(relative(&gradient, J.norm() + lambda, qdot.norm() + delta.norm(), xdot.norm()));
+                kkt_residual.max(relative(&gradient, norm(J) + lambda, qdot.norm() + delta.norm(), xdot.norm()));
             projected.push(JN);
             for (kept, share) in kept_directions(svd.singular_values(), rank, damping.filter(|_| fades)) {
-                let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / J.norm()) } else { weakest };
+                let weakest = if kept > 0 { weakest.min(svd.singular_values()[kept - 1] / norm(J)) } else { weakest };
                 let N = &N - svd.row_projector(kept);
                 answers.push(Kept { weight: weight * share, qdot: qdot.clone(), N, weakest });
             }
@@ -148,7 +148,7 @@ fn task_priority(tasks: &[Equations], zeta: &Vector, damping: Option<Damping>) -
         for (Equations { J, xdot }, JN) in tasks.iter().zip(&projected) {
             let gradient = JN.tr_mul(&(J * &joint_velocity - xdot));
             let size = joint_velocity.norm() + zeta.norm();
-            kkt_residual = kkt_residual.max(relative(&gradient, J.norm(), size, xdot.norm()));
+            kkt_residual = kkt_residual.max(relative(&gradient, norm(J), size, xdot.norm()));
         }
     }
     let stages = vec![Stage { joint_velocity: joint_velocity.clone(), lambda: 0.0 }];
@@ -169,10 +169,10 @@ fn singularity_robust(tasks: &[Equations], zeta: Vector, damping: Option<Damping
     tasks.iter().rev().fold(start, |Formula { joint_velocity, kkt_residual, mut stages }, Equations { J, xdot }| {
         let svd = Svd::new(J);
         let mu = factor(damping, svd.smallest());
-        let delta = svd.solve(svd.rank(RANK_TOLERANCE * J.norm()), mu, &(xdot - J * &joint_velocity));
+        let delta = svd.solve(svd.rank(RANK_TOLERANCE * norm(J)), mu, &(xdot - J * &joint_velocity));
         let qdot = joint_velocity + &delta;
         let gradient = J.tr_mul(&(J * &qdot - xdot)) + mu * mu * &delta;
-        let residual = relative(&gradient, J.norm() + mu, qdot.norm() + delta.norm(), xdot.norm());
+        let residual = relative(&gradient, norm(J) + mu, qdot.norm() + delta.norm(), xdot.norm());
         stages.push(Stage { joint_velocity: qdot.clone(), lambda: 0.0 });
         Formula { joint_velocity: qdot, kkt_residual: kkt_residual.max(residual), stages }
     })
@@ -194,12 +194,12 @@ fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>)
         let all = stack(J, &low);
         let own_svd = Svd::new(J);
         let (mu, lambda) = (factor(damping, own_svd.smallest()), factor(damping, Svd::new(&all).smallest()));
-        let length = (ROW_LENGTH * low.norm() / J.norm()).clamp(1.0, MAX_ROW_LENGTH);
+        let length = (ROW_LENGTH * norm(&low) / norm(J)).clamp(1.0, MAX_ROW_LENGTH);
         let weighted = stack(&(J * length), &low);
         let all_svd = Svd::new(&weighted);
-        let rank = own_svd.rank(RANK_TOLERANCE * J.norm());
+        let rank = own_svd.rank(RANK_TOLERANCE * norm(J));
         let reach = own_svd.solve(rank, mu, &(xdot - J * &qdot));
-        let all_rank = all_svd.rank(RANK_TOLERANCE * weighted.norm());
+        let all_rank = all_svd.rank(RANK_TOLERANCE * norm(&weighted));
         let mut sum = Vector::zeros(n);
         for (kept, share) in kept_directions(own_svd.singular_values(), rank, damping.filter(|_| low.nrows() > 0)) {
             let (delta, residual) = if kept == rank {
@@ -225,10 +225,10 @@ fn reverse_priority(tasks: &[Equations], zeta: Vector, damping: Option<Damping>)
 fn released(projector: &Matrix, low: &Matrix, lambda: f64, reach: &Vector) -> (Vector, f64) {
     let base = projector * reach;
     let svd = Svd::new(&(low - low * projector));
-    let delta = &base - svd.solve(svd.rank(RANK_TOLERANCE * low.norm()), lambda, &(low * &base));
+    let delta = &base - svd.solve(svd.rank(RANK_TOLERANCE * norm(low)), lambda, &(low * &base));
     let gradient = low.tr_mul(&(low * &delta)) + lambda * lambda * &delta;
     let open = &gradient - projector * &gradient;
-    let residual = relative(&open, low.norm() + lambda, reach.norm() + delta.norm(), 0.0);
+    let residual = relative(&open, norm(low) + lambda, reach.norm() + delta.norm(), 0.0);
     (delta, residual)
 }
 
@@ -255,8 +255,8 @@ impl ReverseStage<'_> {
         let gradient = low.tr_mul(&(*low * delta)) + *lambda * *lambda * delta;
         let kept = &gradient - own.inverse(*rank, 0.0) * (*J * &gradient);
         let size = before.norm() + reach.norm() + delta.norm();
-        let reaching = relative(&reached, J.norm() + *mu, size, xdot.norm());
-        reaching.max(relative(&kept, low.norm() + *lambda, size, 0.0))
+        let reaching = relative(&reached, norm(J) + *mu, size, xdot.norm());
+        reaching.max(relative(&kept, norm(low) + *lambda, size, 0.0))
     }
 }
 
@@ -270,7 +270,7 @@ fn stacked(tasks: &[Equations], n: usize) -> (Matrix, Vector) {
 fn relative(gradient: &Vector, a: f64, x: f64, b: f64) -> f64 {
     match (gradient.amax(), a * (a * x + b)) {
         (0.0, _) => 0.0,
-        (size, scale) if scale.is_finite() => size / scale.max(f64::MIN_POSITIVE),
+        (size, scale) if scale.is_finite() => size / scale,
         _ => f64::INFINITY,
     }
 }

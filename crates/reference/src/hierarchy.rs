@@ -46,6 +46,11 @@ impl Level {
         !(self.lower[row] < self.upper[row])
     }
 
+    /// Returns whether some coefficients are not zero but their squares are, so that nothing is known of the level.
+    pub fn underflows(&self) -> bool {
+        self.rows.amax() > 0.0 && !self.rows.norm().is_normal()
+    }
+
     /// Returns by how much a value misses the bounds of a row: positive below, negative above, 0 inside.
     pub fn missing(&self, row: usize, value: f64) -> f64 {
         if value < self.lower[row] {

@@ -25,8 +25,8 @@ pub struct Qp {
 }
 
 impl Qp {
-    /// Returns a solver that gives up as soon as `stop` returns true, before Clarabel's next call; its answer has failed then. Hundreds of
-    /// rows in tens of levels take minutes.
+    /// Returns a solver that gives up as soon as `stop` returns true, before Clarabel's next call; its answer is not certified then.
+    /// Hundreds of rows in tens of levels take minutes.
     pub fn until(stop: impl Fn() -> bool + Send + 'static) -> Self {
         Self { cascade: Cascade::until(stop) }
     }

@@ -3,7 +3,7 @@
 use revprio_problem::{Damping, Matrix, Task};
 
 use crate::damping::factor;
-use crate::svd::{RANK_TOLERANCE, Svd, UNCERTAIN_RANK, stack};
+use crate::svd::{RANK_TOLERANCE, Svd, UNCERTAIN_RANK, norm, stack};
 
 /// What is known of one task.
 #[derive(Debug, Clone, Copy, Default)]
@@ -44,14 +44,14 @@ impl Singularities {
         let (mut below, mut rank_below) = (Matrix::zeros(0, n), 0);
         for (k, task) in tasks.iter().enumerate().rev() {
             let own = Svd::new(&task.jacobian);
-            let rank = found.rank(&own, task.jacobian.norm());
+            let rank = found.rank(&own, norm(&task.jacobian));
             if !task.is_equation() {
                 found.tasks[k].rank = rank;
                 continue;
             }
             let all_rows = stack(&task.jacobian, &below);
             let all = if below.nrows() == 0 { Svd::new(&task.jacobian) } else { Svd::new(&all_rows) };
-            let rank_all = found.rank(&all, all_rows.norm());
+            let rank_all = found.rank(&all, norm(&all_rows));
             found.tasks[k] = TaskSingularity {
                 rank,
                 algorithmic: rank + rank_below > rank_all,

@@ -106,6 +106,11 @@ impl Svd {
     }
 }
 
+/// Returns the Frobenius norm, also of entries whose squares underflow or overflow.
+pub fn norm(a: &Matrix) -> f64 {
+    a.iter().copied().fold(0.0, f64::hypot)
+}
+
 /// Puts `top` over `bottom`. Both have the same number of columns.
 pub fn stack(top: &Matrix, bottom: &Matrix) -> Matrix {
     let mut stacked = Matrix::zeros(top.nrows() + bottom.nrows(), top.ncols());
