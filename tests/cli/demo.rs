@@ -77,7 +77,7 @@ fn solvers_agree(table: &str, page: &str) {
 /// In more than half of the periods of one scenario a limit is active.
 fn limits_act(table: &str, out: &Path) {
     assert_eq!(table.matches("a limit acts in").count(), 1, "{table}");
-    assert!(table.contains("stiff_wall_limits: a limit acts in 5"), "{table}");
+    assert!(table.contains("stiff_wall_limits: a limit acts in 6"), "{table}");
     let paths = Trace::read(&out.join("stiff_wall_limits-reverse_priority-auto.csv")).words("path");
     let active = paths.iter().filter(|path| *path == "active_set").count();
     assert!(paths.len() == 2000 && active > 1000, "{active} of {}", paths.len());
