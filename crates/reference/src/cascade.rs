@@ -128,8 +128,7 @@ impl Cascade {
         let start = run.solution.x.clone();
         run.step(program, point);
         let closer = run.program(level, CLOSER);
-        // The point meets a level that is decided from there on. That is no proof that its bounds are kept.
-        let found = if closer.is_decided { Err(LevelReport::default()) } else { self.solve_program(&closer) };
+        let found = self.solve_program(&closer);
         let tried = found.as_ref().map_or_else(|failed| failed.iterations, |(_, report)| report.iterations);
         let report = LevelReport { iterations: report.iterations + tried, ..report };
         match found {

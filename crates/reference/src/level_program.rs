@@ -152,7 +152,8 @@ impl LevelProgram {
             zoom,
             is_decided,
         };
-        if !is_decided {
+        // A level that is posed again is solved also where its answer has met it: with its constraints.
+        if !is_decided || zoom < 1.0 {
             program.push_constraints(problem, k, decided, size / rows.scale / rows.scale);
             program.push_own(&rows);
         }
