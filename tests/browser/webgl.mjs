@@ -145,17 +145,22 @@ test('the page opens with a Panda that moves; a hand invites to drag the target 
   await waitForClock(page, 2);
   assert.equal(await page.inputValue('#robot'), 'panda');
   assert.equal(await page.inputValue('#motion'), 'eight');
-  await page.waitForSelector('#invite:not([hidden])');
-  await page.click('#go');
-  await waitForState(page, 'phase', 'paused');
-  await page.waitForTimeout(500);
-  const target = await findInScene(page, 'movable');
-  await page.mouse.down();
-  await page.mouse.move(target.x - 40, target.y + 10, { steps: 6 });
-  await page.mouse.up();
-  await page.click('#go');
-  await waitForState(page, 'phase', 'running');
-  await page.waitForSelector('#invite', { state: 'hidden' });
+  // A browser that draws slowly may show the target elsewhere when the mouse goes down.
+  for (let drags = 0; drags < 3; drags++) {
+    await page.waitForSelector('#invite:not([hidden])');
+    await page.click('#go');
+    await waitForState(page, 'phase', 'paused');
+    await page.waitForTimeout(500);
+    const target = await findInScene(page, 'movable');
+    await page.mouse.down();
+    await page.mouse.move(target.x - 40, target.y + 10, { steps: 6 });
+    await page.mouse.up();
+    await page.click('#go');
+    await waitForState(page, 'phase', 'running');
+    await page.waitForTimeout(2000);
+    if (await page.isHidden('#invite')) return;
+  }
+  assert.fail('the hand stays after three drags');
 }));
 
 test('with reduced motion nothing moves by itself', options, () => withPage('?renderer=webgl', async (page) => {
