@@ -320,6 +320,18 @@ class Attacks(unittest.TestCase):
         self.assertEqual(printed(f"{line}\n\n{line}\n")[1].splitlines()[-1],
                          "answers: 2, certificate does not hold: 0, cannot be read: 0")
 
+    def test_it_ends_where_python_does_not_fork(self):
+        request, answer = solved()
+        line = json.dumps({"request": request, "answer": answer})
+        for spawned in ("", "import multiprocessing; multiprocessing.set_start_method('spawn')\n"):
+            with tempfile.NamedTemporaryFile("w", suffix=".jsonl") as lines:
+                lines.write(40 * f"{line}\n")
+                lines.flush()
+                run = subprocess.run([sys.executable, "-", lines.name], input=spawned + Path(check.__file__).read_text(), timeout=60,
+                                     capture_output=True, text=True)
+            self.assertEqual((run.returncode, run.stdout.splitlines()[-1]),
+                             (0, "answers: 40, certificate does not hold: 0, cannot be read: 0"), run.stderr)
+
     def test_nothing_holds_where_nothing_is_claimed(self):
         request, answer = solved()
         failed = answer | {"solver": {"status": "failed", "kkt_residual": None}}

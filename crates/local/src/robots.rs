@@ -213,8 +213,8 @@ mod tests {
     #[test]
     fn a_registered_robot_stays_while_one_with_another_tool_is_used() {
         let robots = Robots { idle_timeout: Duration::ZERO, ..Robots::built_in() };
-        robots.register(named("held")).unwrap();
-        let robot = robots.registered()[0].robot.clone();
+        let robot = named("held");
+        robots.register(Arc::clone(&robot)).unwrap();
         let longer = robot.with_tool_offset(&IsometryMatrix3::translation(0.0, 0.0, 0.1)).unwrap();
         drop(robot);
         assert!(robots.get("held").is_ok());

@@ -9,9 +9,10 @@ pub struct Resolution {
     pub joint_velocity: Vector,
     /// Outcome of each task, highest priority first.
     pub tasks: Vec<TaskOutcome>,
-    /// Bounds that hold the answer back, and the limits of joints whose bounds coincide; in ascending order.
+    /// Bounds that hold the answer back, and the limits of joints whose bounds coincide: first joints, then constraints by their level,
+    /// then rows of tasks.
     pub active_bounds: Vec<ActiveBound>,
-    /// Limits and constraints that the answer breaks, in ascending order. Solvers that know limits break no joint's, and
+    /// Limits and constraints that the answer breaks, in the same order. Solvers that know limits break no joint's, and
     /// constraints only where these contradict limits or each other, as little as possible.
     pub broken_bounds: Vec<BrokenBound>,
     /// Inequality rows that cannot be kept together, with what contradicts them; one entry per priority level.

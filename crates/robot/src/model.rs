@@ -21,7 +21,7 @@ pub struct RobotModel {
     tree: Arc<Tree>,
     selection: Option<Arc<ChainSelection>>,
     collision: Option<Arc<CollisionModel>>,
-    /// The robot whose tool was moved. Who counts its users counts this one.
+    /// The robot that this one is with another tool. It is used as long as this one is.
     origin: Option<Arc<Self>>,
 }
 
@@ -51,16 +51,8 @@ impl RobotModel {
                 return Err(ModelError::DuplicateJoint { name: joint.name.clone() });
             }
         }
-        let tree = Arc::new(Tree::serial(&joints, &tool));
-        Ok(Self {
-            name: name.into(),
-            description: description.into(),
-            joints,
-            tree,
-            selection: None,
-            collision: None,
-            origin: None,
-        })
+        let tree = Tree::serial(&joints, &tool);
+        Ok(Self::of(name.into(), description.into(), (joints, tree)))
     }
 
     /// Builds and checks a robot from the description of its tree.
@@ -69,17 +61,12 @@ impl RobotModel {
         description: impl Into<String>,
         tree: &TreeDescription,
     ) -> Result<Self, ModelError> {
-        let (joints, tree) = assemble(tree)?;
-        let tree = Arc::new(tree);
-        Ok(Self {
-            name: name.into(),
-            description: description.into(),
-            joints,
-            tree,
-            selection: None,
-            collision: None,
-            origin: None,
-        })
+        Ok(Self::of(name.into(), description.into(), assemble(tree)?))
+    }
+
+    /// Builds a robot without shapes from what was checked.
+    fn of(name: String, description: String, (joints, tree): (Vec<Joint>, Tree)) -> Self {
+        Self { name, description, joints, tree: Arc::new(tree), selection: None, collision: None, origin: None }
     }
 
     /// Returns the same robot with a note about the chain that it was read from.
@@ -109,7 +96,8 @@ impl RobotModel {
         Self { name: name.into(), ..self }
     }
 
-    /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m. It keeps this robot.
+    /// Returns the same robot with its tool frame moved by `offset`, a pose in the present tool frame, m. The result holds a
+    /// reference to this robot, so that a registry sees that it is used.
     pub fn with_tool_offset(self: &Arc<Self>, offset: &IsometryMatrix3<f64>) -> Result<Self, ModelError> {
         let tool = self.tool() * offset;
         if !has_usable_numbers(&tool) {

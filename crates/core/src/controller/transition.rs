@@ -60,8 +60,8 @@ impl Controller {
     ///
     /// `memory` is that of the last step of `previous`, and `joint_position` (n, rad or m) the posture of that step. Laws
     /// that integrate continue from the velocity that the last command gives their task at the position of rest. Streamed
-    /// targets and progress stay with the name of their task; another target velocity or force takes the place of the streamed ones. The initial pose stays: a task without a target holds the pose
-    /// of the very first step.
+    /// targets and progress stay with the name of their task; another target velocity or force takes the place of the
+    /// streamed ones. The initial pose stays: a task without a target holds the pose of the very first step.
     pub fn continue_from(
         &self,
         previous: &Self,

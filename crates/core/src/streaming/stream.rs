@@ -182,8 +182,9 @@ impl TargetStream {
         }
     }
 
-    /// Forgets the targets if the clock of the states went back by `back` (s), and actions that are past. The actions that are left after a time that was
-    /// too late by mistake count as those of another clock: the first one is never later than the state with which they came.
+    /// Forgets the targets if the clock of the states went back by `back` (s), and actions that are past. The actions that are left
+    /// after a time that was too late by mistake count as those of another clock: the first one is never later than the state with
+    /// which they came.
     pub(crate) fn forget(&mut self, time_s: f64, back: f64, settings: &Streaming) {
         let newest_s = self.newest.as_ref().map(|newest| newest.time_s);
         let known_s = if self.chunk.actions.is_empty() { newest_s } else { self.chunk.known_s() };

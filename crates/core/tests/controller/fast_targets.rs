@@ -14,9 +14,9 @@ use revprio_core::resolution::Solver;
 use revprio_core::rows::{TargetPose, TaskRows, ToolRows};
 use revprio_core::streaming::{StreamedTarget, StreamedValue, Streaming, TargetAhead};
 use revprio_robot::kinematics::{Axis, Configuration, orientation_error};
-use revprio_robot::{RobotModel, built_in};
+use revprio_robot::{JointLimits, RobotModel, built_in};
 
-use super::arms::{Random, position, task, tool_rows};
+use super::arms::{Random, config, controller, gantry, measurement, position, task, tool_rows};
 use super::best_line;
 use super::drives::{LaggingArm, OVERSHOOT};
 use super::rest::{any_method, any_posture, any_robot, any_target, any_tasks};
@@ -572,4 +572,40 @@ fn limits_are_kept_whatever_the_targets_do() {
         }
     }
     assert!(outside <= OVERSHOOT, "{outside}");
+}
+
+/// Each target keeps its own acceleration when the first one for a task before it comes.
+#[test]
+fn a_new_target_does_not_take_the_acceleration_of_another_one() {
+    let law = |path| Law::Position(PositionLaw::new(vec![5.0]).unwrap().along(path));
+    for path in PATHS {
+        let tasks = [Axis::X, Axis::Y].map(|axis| task(&[axis], law(path))).to_vec();
+        let mut stepper = Stepper::new(controller(config(&gantry(JointLimits::NONE), tasks))).unwrap();
+        let (mut memory, mut q) = (None, vec![0.0; 3]);
+        let mut last = Vec::new();
+        for k in 0..200 {
+            let time_s = PERIOD * f64::from(k);
+            let to = |task: usize, value: Vector3<f64>| StreamedTarget {
+                task,
+                time_s,
+                value: StreamedValue::Pose { position: Some(value), orientation: None },
+                velocity: None,
+                ahead: Vec::new(),
+            };
+            let mut targets = vec![to(1, Vector3::y() * (0.5 * 2.0 * time_s * time_s))];
+            if k == 199 {
+                targets.insert(0, to(0, Vector3::zeros()));
+            }
+            let command = stepper.step(&mut memory, &Measurement { time_s, targets, ..measurement(&q) }).unwrap();
+            q.iter_mut().zip(&command.resolution.joint_velocity).for_each(|(q, u)| *q += PERIOD * u);
+            let ahead = memory.as_ref().unwrap().virtual_arm.as_ref().unwrap();
+            last.push(ahead.target_accelerations.iter().map(|rows| rows[1]).collect::<Vec<_>>());
+        }
+        let [before, after] = [&last[198], &last[199]];
+        assert!(before[0].abs() > 0.5, "{path:?}: {before:?}");
+        assert!(
+            after[0].abs() < 0.1 * before[0].abs() && (after[1] - before[0]).abs() < 0.3,
+            "{path:?}: {before:?} {after:?}"
+        );
+    }
 }

@@ -442,3 +442,24 @@ fn an_arm_whose_requests_have_faded_says_which_tasks_are_short_of_their_targets(
     }
     assert!(faded > 100, "{faded} periods");
 }
+
+/// Somebody may guide the arm while its loop pauses. Where it is then, its target may be within reach.
+#[test]
+fn an_arm_that_was_moved_in_a_pause_starts_anew() {
+    let robot = built_in().iter().find(|robot| robot.name() == "panda").unwrap();
+    let config = ControllerConfig::new(Arc::clone(robot), 0.004, vec![task(&LINEAR, position(3, 2.0))]);
+    let q = vec![0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let spent_after = |moved: f64| {
+        let mut stepper = Stepper::new(Controller::new(config.clone()).unwrap()).unwrap();
+        let (mut arm, mut memory) = (LaggingArm::at_rest(&q, config.drive, 0.0, 1), None);
+        for period in 0..20 {
+            stepper.step(&mut memory, &arm.measure(0.004 * f64::from(period))).unwrap();
+        }
+        memory.as_mut().unwrap().rest.as_mut().unwrap().spent = 1.0;
+        arm.q[3] += moved;
+        stepper.step(&mut memory, &arm.measure(10.0)).unwrap();
+        memory.unwrap().rest.unwrap().spent
+    };
+    assert!(spent_after(0.0) > 0.9);
+    assert!(spent_after(0.5) < 0.1);
+}
