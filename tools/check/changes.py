@@ -1,7 +1,8 @@
 """Changes right answers by 1e-6 and counts which changes check.py notices: changes.py LINES COUNT.
 
 LINES is a file with an object {"request": ..., "answer": ...} on each line. COUNT answers of the status `optimal` are changed.
-Prints a table, and the number of each answer with a change that is not noticed. Exit status: 0 enough is noticed, else 1.
+Prints a table, and the number of each answer with a change that is not noticed. Exit status: 0 enough is noticed; 1 if not, or if there are
+fewer such answers.
 """
 
 import copy
@@ -136,7 +137,10 @@ def main(path, count):
     jobs = [(number, line) for number, line in enumerate(lines, 1) if '"status":"optimal"' in line]
     # An average of several problems has no single multipliers.
     jobs = [(number, line) for number, line in jobs if len(json.loads(line)["answer"]["certificate"]["answer"]) == 1]
-    jobs = random.Random(0).sample(jobs, min(int(count), len(jobs)))
+    if len(jobs) < int(count):
+        print(f"{count} answers were to be changed; only {len(jobs)} are optimal and no average")
+        return 1
+    jobs = random.Random(0).sample(jobs, int(count))
     with multiprocessing.Pool() as pool:
         results = pool.map(examine, jobs, chunksize=8)
     table = {}

@@ -1,11 +1,15 @@
 //! The blend that makes damped answers continuous, compared with its definition in `docs/solver.md`: each part is a problem of
 //! its own, and singular values come from the matrices themselves.
 
+#[path = "solvers/mod.rs"]
+mod solvers;
+
 use proptest::prelude::*;
 use revprio_core::limits::VelocityBox;
 use revprio_core::linalg::{Damping, Matrix, Vector};
-use revprio_core::resolution::{Method, Problem, Resolution, Side, Status, resolve};
+use revprio_core::resolution::{Method, Problem, Resolution, Side, Solver, Status, resolve};
 use revprio_core::task::{Task, TaskStack};
+use solvers::resolve_with;
 
 const N: usize = 5;
 
@@ -23,19 +27,22 @@ impl Level {
     }
 }
 
-fn solve(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Option<Damping>) -> Resolution {
+fn problem(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Option<Damping>) -> Problem {
     let task = |level: &Level| {
         let (rows, lower, upper) = (level.rows.clone(), level.lower.clone(), level.upper.clone());
         if level.is_equation() { Task::new("", rows, lower) } else { Task::between("", rows, lower, upper) }
     };
-    let problem = Problem {
+    Problem {
         limits: limits.clone(),
         method: Method::StrictReversePriority,
         null_space_velocity: Some(reference.clone()),
         damping,
         ..Problem::new(TaskStack::new(levels.iter().map(task).collect()).unwrap())
-    };
-    resolve(&problem, &[]).unwrap()
+    }
+}
+
+fn solve(levels: &[Level], limits: &VelocityBox, reference: &Vector, damping: Option<Damping>) -> Resolution {
+    resolve(&problem(levels, limits, reference, damping), &[]).unwrap()
 }
 
 fn stack<'a>(matrices: impl Iterator<Item = &'a Matrix>) -> Matrix {
@@ -308,10 +315,13 @@ fn a_damped_answer_lists_the_bounds_that_it_reaches() {
             level([0.0, 0.0, 1.0, 0.0, 0.0], &target, &target),
         ];
         let limits = VelocityBox::new(&[-0.8; N], &[0.8; N]).unwrap();
-        let answer = solve(&levels, &limits, &Vector::zeros(N), Damping::new(0.6, 0.2));
+        let problem = problem(&levels, &limits, &Vector::zeros(N), Damping::new(0.6, 0.2));
         let side = if sign > 0.0 { Side::Upper } else { Side::Lower };
-        let joints: Vec<_> = answer.active_limits().map(|(joint, it)| (joint, it.bound.side)).collect();
-        let rows: Vec<_> = answer.active_rows(0).map(|(row, it)| (row, it.bound.side)).collect();
-        assert_eq!((joints, rows), (vec![(0, side)], vec![(0, side)]), "{answer:?}");
+        for solver in [Solver::Auto, Solver::Qp] {
+            let answer = resolve_with(solver, &problem, &[]).unwrap();
+            let joints: Vec<_> = answer.active_limits().map(|(joint, it)| (joint, it.bound.side)).collect();
+            let rows: Vec<_> = answer.active_rows(0).map(|(row, it)| (row, it.bound.side)).collect();
+            assert_eq!((joints, rows), (vec![(0, side)], vec![(0, side)]), "{solver:?}: {answer:?}");
+        }
     }
 }

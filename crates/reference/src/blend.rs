@@ -22,7 +22,7 @@ const HALF_WIDTH: f64 = 1.0;
 /// Half width of the widest box whose middle counts, rad/s: no joint of an arm is as fast.
 const WIDEST: f64 = 10.0;
 
-/// Distance from the bound of a row, relative to ‖a‖‖x‖, up to which x reaches it.
+/// Distance from the bound of an unknown or a row, relative to ‖x‖ or ‖a‖‖x‖, up to which x reaches it.
 const ROUNDING: f64 = 1e-13;
 
 /// Weight of a level that has been reached for, relative to the level that is reached for next.
@@ -89,19 +89,19 @@ fn average(hierarchy: &Hierarchy, parts: &[Averaged], recorder: &mut Recorder, s
 /// Keeps the multipliers of the bounds that x reaches, those of `other` where the solution has none. A bound that the average does
 /// not reach holds nothing back.
 fn keep_reached(hierarchy: &Hierarchy, solution: &mut Solution, other: &Solution) {
-    let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64| {
-        if multiplier < 0.0 { value <= lower } else { multiplier > 0.0 && value >= upper }
+    let rounding = ROUNDING * solution.x.norm();
+    let reaches = |multiplier: f64, value: f64, lower: f64, upper: f64, length: f64| {
+        let near = rounding * length;
+        if multiplier < 0.0 { value <= lower + near } else { multiplier > 0.0 && value >= upper - near }
     };
     for (j, multiplier) in solution.multipliers.iter_mut().enumerate() {
-        let reaches = |it: &f64| reaches(*it, solution.x[j], hierarchy.lower[j], hierarchy.upper[j]);
+        let reaches = |it: &f64| reaches(*it, solution.x[j], hierarchy.lower[j], hierarchy.upper[j], 1.0);
         *multiplier = [*multiplier, other.multipliers[j]].into_iter().find(reaches).unwrap_or(0.0);
     }
-    let speed = solution.x.norm();
     for (level, multipliers) in hierarchy.levels.iter().zip(&mut solution.row_multipliers) {
         for (row, multiplier) in multipliers.iter_mut().enumerate() {
-            let rounding = ROUNDING * level.rows.row(row).norm() * speed;
-            let value = level.value(row, &solution.x);
-            if !reaches(*multiplier, value, level.lower[row] + rounding, level.upper[row] - rounding) {
+            let (value, length) = (level.value(row, &solution.x), level.rows.row(row).norm());
+            if !reaches(*multiplier, value, level.lower[row], level.upper[row], length) {
                 *multiplier = 0.0;
             }
         }

@@ -12,6 +12,11 @@ const TOLERANCE: f64 = 1e-10;
 /// A cap far above the 5 to 15 iterations that levels take: a failing problem would go on.
 const MAX_ITERATIONS: u32 = 50;
 
+/// Gap and feasibility, and what is added to the diagonal for stability, of programs of demands. With those of careful attempts
+/// Clarabel gets stuck far from the answer.
+const DEMAND_TOLERANCE: f64 = 1e-12;
+const DEMAND_REGULARIZATION: f64 = 1e-12;
+
 /// Gap and feasibility of a careful attempt, near rounding.
 const CAREFUL_TOLERANCE: f64 = 1e-13;
 
@@ -66,9 +71,9 @@ impl Clarabel {
     }
 }
 
-/// Returns excess ≥ 0 of each demand a·x ≤ b with the least Σ excess², and the multipliers, which are equal to it; `None` without an
-/// answer. `rows`: the demands, one after the other, n entries each.
-pub fn least_excess(rows: &[f64], bounds: &[f64], n: usize) -> Option<Vec<f64>> {
+/// Returns excess ≥ 0 of each demand a·x ≤ b with the least Σ excess², and the multipliers, which are equal to it. `rows`: the
+/// demands, one after the other, n entries each.
+pub fn least_excess(rows: &[f64], bounds: &[f64], n: usize) -> Result<Vec<f64>, Unsolved> {
     let m = bounds.len();
     // v = (x, excess); P and A have an entry in each column of the excess alone.
     let P_columns = (0..=n + m).map(|j: usize| j.saturating_sub(n)).collect();
@@ -78,9 +83,16 @@ pub fn least_excess(rows: &[f64], bounds: &[f64], n: usize) -> Option<Vec<f64>> 
     let entries = (0..n).flat_map(|j| (0..m).map(move |i| rows[i * n + j])).chain(std::iter::repeat_n(-1.0, m));
     let A = CscMatrix::new(m, n + m, A_columns, A_rows, entries.collect());
     let q = vec![0.0; n + m];
-    let mut solver = DefaultSolver::new(&P, &q, &A, bounds, &[NonnegativeConeT(m)], settings(Effort::Careful)).ok()?;
-    let answer = run(&mut solver, 0).ok()?;
-    Some(answer.multipliers)
+    let settings = DefaultSettings {
+        static_regularization_constant: DEMAND_REGULARIZATION,
+        tol_gap_abs: DEMAND_TOLERANCE,
+        tol_gap_rel: DEMAND_TOLERANCE,
+        tol_feas: DEMAND_TOLERANCE,
+        ..settings(Effort::Careful)
+    };
+    let solver = DefaultSolver::new(&P, &q, &A, bounds, &[NonnegativeConeT(m)], settings);
+    let mut solver = solver.map_err(|_| Unsolved { iterations: 0 })?;
+    run(&mut solver, 0).map(|answer| answer.multipliers)
 }
 
 fn run(solver: &mut DefaultSolver<f64>, equations: usize) -> Result<QpAnswer, Unsolved> {

@@ -15,6 +15,6 @@ impl Clarabel {
 }
 
 /// Finds no answer.
-pub fn least_excess(_rows: &[f64], _bounds: &[f64], _n: usize) -> Option<Vec<f64>> {
-    None
+pub fn least_excess(_rows: &[f64], _bounds: &[f64], _n: usize) -> Result<Vec<f64>, Unsolved> {
+    Err(Unsolved { iterations: 0 })
 }

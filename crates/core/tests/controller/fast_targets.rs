@@ -578,9 +578,12 @@ fn limits_are_kept_whatever_the_targets_do() {
 #[test]
 fn a_new_target_does_not_take_the_acceleration_of_another_one() {
     let law = |path| Law::Position(PositionLaw::new(vec![5.0]).unwrap().along(path));
+    let fast = JointLimits { velocity: 10.0, acceleration: 100.0, ..JointLimits::NONE };
     for path in PATHS {
         let tasks = [Axis::X, Axis::Y].map(|axis| task(&[axis], law(path))).to_vec();
-        let mut stepper = Stepper::new(controller(config(&gantry(JointLimits::NONE), tasks))).unwrap();
+        let limits = Limits::Robot(LimitKind::PositionVelocityAcceleration);
+        let config = ControllerConfig { limits, ..config(&gantry(fast), tasks) };
+        let mut stepper = Stepper::new(controller(config)).unwrap();
         let (mut memory, mut q) = (None, vec![0.0; 3]);
         let mut last = Vec::new();
         for k in 0..200 {

@@ -68,6 +68,7 @@ fn qp_and_auto_blend_alike() {
             let difference = (auto.at(t) - qp.at(t)).amax();
             assert!(difference < 1e-8, "{family:?}, {method:?}, t = {t}: {difference}");
         }
+        assert_eq!(auto.limited, qp.limited, "{family:?}, {method:?}: answers with active limits");
     }
 }
 

@@ -27,20 +27,24 @@ fn within(size: f64, method: Method, tasks: Vec<Task>) -> Problem {
 }
 
 fn assert_velocity(problem: &Problem, expected: &[f64]) {
-    for solver in [Solver::Auto, Solver::Qp] {
-        let answer = resolve_with(solver, problem, &[]).unwrap();
-        if solver == Solver::Qp && answer.solver.status == Status::NotCertified {
-            // It says that it is not sure.
-            continue;
-        }
-        let error = (&answer.joint_velocity - Vector::from_row_slice(expected)).amax();
-        assert!(
-            error <= 1e-9,
-            "{solver:?}: {:?} instead of {expected:?}, {answer:?}",
-            answer.joint_velocity.as_slice()
-        );
-        assert_eq!(answer.solver.status, Status::Optimal);
-    }
+    assert_velocity_by(Solver::Auto, problem, expected);
+    assert_velocity_by(Solver::Qp, problem, expected);
+}
+
+fn assert_velocity_by(solver: Solver, problem: &Problem, expected: &[f64]) {
+    let answer = resolve_with(solver, problem, &[]).unwrap();
+    let error = (&answer.joint_velocity - Vector::from_row_slice(expected)).amax();
+    let found = answer.joint_velocity.as_slice();
+    assert!(error <= 1e-9, "{solver:?}: {found:?} instead of {expected:?}, {answer:?}");
+    assert_eq!(answer.solver.status, Status::Optimal, "{solver:?}");
+}
+
+/// The program of a level is too badly scaled for Clarabel, and `qp` says so.
+fn assert_velocity_that_qp_is_not_sure_of(problem: &Problem, expected: &[f64]) {
+    assert_velocity_by(Solver::Auto, problem, expected);
+    let answer = resolve_with(Solver::Qp, problem, &[]).unwrap();
+    assert_eq!(answer.solver.status, Status::NotCertified);
+    assert!(problem.limits.allows(answer.joint_velocity.as_slice()), "{answer:?}");
 }
 
 /// Two equations whose answer within ±1 rad/s is (0, 1): the first one is met, the second one gives way.
@@ -64,7 +68,7 @@ fn a_bound_that_means_none_does_not_loosen_the_limits() {
 fn a_row_of_rounding_does_not_loosen_the_limits() {
     let tasks =
         vec![equation(&[0.0, 0.0, 1.2246e-16], 0.5), equation(&[1.0, 2.0, 0.0], 2.0), equation(&[-1.0, 1.0, 0.0], 2.0)];
-    assert_velocity(&within(1.0, Method::StrictReversePriority, tasks), &[0.0, 1.0, 1.0]);
+    assert_velocity_that_qp_is_not_sure_of(&within(1.0, Method::StrictReversePriority, tasks), &[0.0, 1.0, 1.0]);
 }
 
 #[test]
@@ -98,10 +102,12 @@ fn numbers_whose_squares_overflow_are_never_called_optimal() {
         for mut problem in [jacobian, target] {
             for damping in [None, Some(Damping::STANDARD)] {
                 problem.damping = damping;
-                let answer = resolve(&problem, &[]).unwrap();
-                assert!(answer.joint_velocity.iter().all(|v| v.abs() <= 1.0), "{answer:?}");
-                let exact = answer.tasks[0].residual_norm.is_finite();
-                assert!(answer.solver.status != Status::Optimal || exact, "{huge:e}: {answer:?}");
+                for solver in [Solver::Auto, Solver::Qp] {
+                    let answer = resolve_with(solver, &problem, &[]).unwrap();
+                    assert!(answer.joint_velocity.iter().all(|v| v.abs() <= 1.0), "{solver:?}: {answer:?}");
+                    let exact = answer.tasks[0].residual_norm.is_finite();
+                    assert!(answer.solver.status != Status::Optimal || exact, "{solver:?}, {huge:e}: {answer:?}");
+                }
             }
         }
     }
@@ -128,7 +134,7 @@ fn a_short_row_is_not_mistaken_for_rounding() {
     let task = Task::new("both", rows, Vector::from_row_slice(&[2.0, 0.0]));
     let mut problem = within(1.0, Method::StrictReversePriority, vec![task]);
     problem.limits = VelocityBox::new(&[-0.5, -1.0], &[0.5, 1.0]).unwrap();
-    assert_velocity(&problem, &[0.5, 1.0]);
+    assert_velocity_that_qp_is_not_sure_of(&problem, &[0.5, 1.0]);
 }
 
 #[test]
