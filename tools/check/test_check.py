@@ -323,14 +323,18 @@ class Attacks(unittest.TestCase):
     def test_it_ends_where_python_does_not_fork(self):
         request, answer = solved()
         line = json.dumps({"request": request, "answer": answer})
-        for spawned in ("", "import multiprocessing; multiprocessing.set_start_method('spawn')\n"):
-            with tempfile.NamedTemporaryFile("w", suffix=".jsonl") as lines:
-                lines.write(40 * f"{line}\n")
-                lines.flush()
-                run = subprocess.run([sys.executable, "-", lines.name], input=spawned + Path(check.__file__).read_text(), timeout=60,
-                                     capture_output=True, text=True)
-            self.assertEqual((run.returncode, run.stdout.splitlines()[-1]),
-                             (0, "answers: 40, certificate does not hold: 0, cannot be read: 0"), run.stderr)
+        main = 'if __name__ == "__main__":\n'
+        program = Path(check.__file__).read_text()
+        self.assertEqual(program.count(main), 1)
+        program = program.replace(main, f'{main}    multiprocessing.set_start_method("spawn")\n')
+        with tempfile.TemporaryDirectory() as folder:
+            lines, file = Path(folder, "lines.jsonl"), Path(folder, "spawned.py")
+            lines.write_text(40 * f"{line}\n")
+            file.write_text(program)
+            for name in (str(file), "-"):
+                run = subprocess.run([sys.executable, name, str(lines)], input=program, timeout=60, capture_output=True, text=True)
+                self.assertEqual((run.returncode, run.stdout.splitlines()[-1]),
+                                 (0, "answers: 40, certificate does not hold: 0, cannot be read: 0"), run.stderr)
 
     def test_nothing_holds_where_nothing_is_claimed(self):
         request, answer = solved()

@@ -131,9 +131,10 @@ def with_pink(states: Any) -> Step:  # noqa: ANN401
 
     tasks = [Rows(slice(0, 1), WEIGHT**0.5), Rows(slice(1, 6), 1.0)]
     limits = [VelocityLimit(model)]
+    configuration = pink.Configuration(model, data, states["positions"][0])
 
     def step(i: int) -> Array:
-        configuration = pink.Configuration(model, data, states["positions"][i])
+        configuration.update(states["positions"][i])
         for task in tasks:
             task.period = i
         return pink.solve_ik(  # type: ignore[no-any-return]

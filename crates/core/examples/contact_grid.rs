@@ -1,4 +1,5 @@
-//! Prints how the contact law presses against walls of unknown stiffness: 756 conditions, for several drives.
+//! Prints how the contact law presses against walls of unknown stiffness: 20 runs under each of 756 conditions, for several
+//! drives.
 //!
 //! `cargo run --release -p revprio-core --example contact_grid` prints the tables of docs/contact.md.
 
@@ -11,7 +12,10 @@ mod laws;
 #[path = "../tests/contact/plant.rs"]
 mod plant;
 
-use grid::{Summary, cells, measure};
+use grid::{Summary, measure, runs};
+
+/// Runs under each of the conditions.
+const RUNS: usize = 20;
 
 fn main() {
     let drives: [(&str, Option<(f64, f64)>); 6] = [
@@ -26,13 +30,11 @@ fn main() {
     let only = std::env::args().nth(1);
     let drives = drives.into_iter().filter(|(name, _)| only.as_ref().is_none_or(|only| name.contains(only.as_str())));
     for (name, soft) in drives {
-        let results: Vec<_> = cells().into_iter().map(|cell| measure(plant::Conditions { soft, ..cell }, 3)).collect();
+        let results: Vec<_> = runs(RUNS).map(|terms| measure(plant::Conditions { soft, ..terms })).collect();
         if only.is_some() {
-            for w in results.iter().filter(|w| w.peak > 1.0) {
-                println!(
-                    "{} K {} v {} T {} D {} L {} peak {}",
-                    w.peak, w.terms.stiffness, w.terms.speed, w.terms.period, w.terms.delay, w.terms.lag, w.force
-                );
+            for run in results.iter().filter(|run| run.peak > 1.0) {
+                let plant::Conditions { stiffness, speed, period, delay, lag, .. } = run.terms;
+                println!("{:.2} K {stiffness} v {speed} T {period} D {delay} L {lag} peak {:.1}", run.peak, run.force);
             }
         }
         println!("{}", Summary::of(&results).row(name));

@@ -37,7 +37,7 @@ def one(mark: str, table: Callable[[], str]) -> dict[str, str]:
 def parts(count: int, out: Path, options: argparse.Namespace) -> dict[str, Callable[[], dict[str, str]]]:
     """Returns what can be measured: functions that return tables by their marks."""
     return {
-        "grid": lambda: grid.tables(grid.read(out) if options.reuse else grid.measure(count, out)),
+        "grid": lambda: grid.tables(grid.read(count, out) if options.reuse else grid.measure(count, out)),
         "events": functools.partial(one, "events", events.settled_again),
         "moving": functools.partial(one, "moving", events.moving),
         "wiping": functools.partial(one, "wiping", surfaces.wiping),

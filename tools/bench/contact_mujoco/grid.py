@@ -30,9 +30,9 @@ class Result:
 
 
 def measure(count: int, out: Path) -> list[Result]:
-    """Runs `count` conditions of each arm and velocity loop; writes each result to a file."""
+    """Runs `count` conditions of each arm and velocity loop; writes each result to the file of this count."""
     results = []
-    with (out / "grid.jsonl").open("w") as file:
+    with results_file(out, count).open("w") as file:
         for robot in ROBOTS:
             for bandwidth in BANDWIDTHS:
                 for terms in draw(robot, bandwidth, count):
@@ -43,9 +43,14 @@ def measure(count: int, out: Path) -> list[Result]:
     return results
 
 
-def read(out: Path) -> list[Result]:
+def results_file(out: Path, count: int) -> Path:
+    """Returns the file of a grid: a quick one leaves the results of the whole one."""
+    return out / f"grid-{count}.jsonl"
+
+
+def read(count: int, out: Path) -> list[Result]:
     """Reads the results of `measure`."""
-    rows = [json.loads(line) for line in (out / "grid.jsonl").read_text().splitlines()]
+    rows = [json.loads(line) for line in results_file(out, count).read_text().splitlines()]
     return [Result(**{**fields, "score": Score(**fields["score"])}) for fields in rows]
 
 

@@ -112,12 +112,15 @@ def with_pink():
 
     tasks = [Rows(slice(0, 1), WEIGHT ** 0.5), Rows(slice(1, 6), 1.0)]
 
+    configuration = pink.Configuration(model, data, Q[0])
+    limits = [[VelocityLimit(model, limit)] for limit in LIMIT]
+
     def solve(i):
-        configuration = pink.Configuration(model, data, Q[i])
+        configuration.update(Q[i])
         for task in tasks:
             task.xdot = XDOT[i]
-        limits = [VelocityLimit(model, LIMIT[i])]
-        return pink.solve_ik(configuration, tasks, DT, solver='daqp', damping=1e-8, limits=limits, safety_break=False)
+        return pink.solve_ik(
+            configuration, tasks, DT, solver='daqp', damping=1e-8, limits=limits[i], safety_break=False)
 
     return solve
 

@@ -27,17 +27,18 @@ groups = list(dict.fromkeys(row[0] for row in rows))
 rows.sort(key=lambda row: (groups.index(row[0]), row[1]))
 
 
-def base(group):
-    """The row of revprio that others are compared with: the way that a control loop takes."""
+def base(group, is_cold):
+    """The row of revprio that others are compared with: the way that a control loop takes, or a cold one."""
     ours = [row for row in rows if row[0] == group and ': revprio' in row[2] and '(native)' not in row[2]]
-    return min(ours, key=lambda row: (not row[2].endswith('warm'), not row[2].endswith('auto'), row[1]))
+    start = 'cold' if is_cold else 'warm'
+    return min(ours, key=lambda row: (not row[2].endswith(start), not row[2].endswith('auto'), row[1]))
 
 
-bases = {group: base(group) for group in groups}
 table = '| program | median | p99 | median × revprio | p99 × revprio | error of q̇, rad/s | error of task 1, m/s |\n'
 table += '| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n'
 for group, median, name, p99, error, first in rows:
-    ratios = f'{median / bases[group][1]:.2f} | {p99 / bases[group][3]:.2f}'
+    own = base(group, name.endswith('cold'))
+    ratios = f'{median / own[1]:.2f} | {p99 / own[3]:.2f}'
     table += f'| {name} | {seconds(median)} | {seconds(p99)} | {ratios} | {error} | {first} |\n'
 table += ''.join(f'\n{remark}\n' for remark in remarks)
 print(table)
