@@ -133,6 +133,17 @@ impl ChannelState {
         }
     }
 
+    /// Forgets the targets to come, because their times belong to another clock or to a chunk that is no longer followed. A channel at the
+    /// last one goes on to it; one between two of them stays. `before_s`: the time of the last period on the old clock, `time_s`: its time on
+    /// the present one, s.
+    pub(crate) fn forget_later(&mut self, before_s: f64, time_s: f64) {
+        let is_at_last = self.targets.last().is_some_and(|last| last.time_s <= before_s);
+        let value = if is_at_last { self.targets.last().map(|last| last.value) } else { self.command };
+        let value = value.filter(|_| !self.targets.is_empty());
+        self.targets.clear();
+        self.targets.extend(value.map(|value| ChannelTarget { time_s, value }));
+    }
+
     /// Replaces the targets from the first one of a chunk on, at `time_s`. At most [`MAX_CHANNEL_TARGETS`] are kept, the nearest ones. If the
     /// chunk begins later and none is kept until then, the line to it begins now.
     pub(crate) fn merge(&mut self, targets: impl Iterator<Item = ChannelTarget>, time_s: f64) {
@@ -261,6 +272,27 @@ mod tests {
         state.merge([target(10.8, 0.08)].into_iter(), 10.75);
         state.advance(&config, 10.75, 0.0, 0.01);
         assert!((state.command.unwrap() - 0.05).abs() < 1e-12, "{:?}", state.command);
+    }
+
+    #[test]
+    fn a_channel_whose_chunk_is_forgotten_goes_on_to_its_last_target_or_stays() {
+        let config = gripper();
+        let target = |time_s: f64, value: f64| ChannelTarget { time_s, value };
+        let mut opening = ChannelState::default();
+        opening.merge([target(100.0, 0.0), target(101.0, 0.0), target(101.1, 0.08)].into_iter(), 100.0);
+        opening.advance(&config, 100.5, 0.0, 0.01);
+        opening.forget_later(100.5, 100.4);
+        opening.advance(&config, 101.2, 0.0, 0.01);
+        assert_eq!((opening.command, opening.targets.len()), (Some(0.0), 1));
+        let mut closing = ChannelState::default();
+        closing.accept(&config, ChannelInput { channel: 0, measured: Some(0.05), target: Some(0.0) }, 100.0);
+        closing.forget_later(100.1, 3.0);
+        closing.advance(&config, 3.0, 0.0, 1.0);
+        assert_eq!(closing.command, Some(0.0));
+        let mut waiting = ChannelState::default();
+        waiting.forget_later(100.0, 3.0);
+        assert_eq!(waiting, ChannelState::default());
+        assert!([&opening, &closing].into_iter().all(ChannelState::is_valid));
     }
 
     #[test]

@@ -21,8 +21,17 @@ pub struct RobotModel {
     tree: Arc<Tree>,
     selection: Option<Arc<ChainSelection>>,
     collision: Option<Arc<CollisionModel>>,
-    /// The robot that this one is with another tool. It is used as long as this one is.
-    origin: Option<Arc<Self>>,
+    origin: Origin,
+}
+
+/// The robot that another one is with another tool. It is used as long as that one is, and makes no difference between robots.
+#[derive(Debug, Clone)]
+struct Origin(#[expect(dead_code, reason = "it is held, not read")] Option<Arc<RobotModel>>);
+
+impl PartialEq for Origin {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl RobotModel {
@@ -66,7 +75,7 @@ impl RobotModel {
 
     /// Builds a robot without shapes from what was checked.
     fn of(name: String, description: String, (joints, tree): (Vec<Joint>, Tree)) -> Self {
-        Self { name, description, joints, tree: Arc::new(tree), selection: None, collision: None, origin: None }
+        Self { name, description, joints, tree: Arc::new(tree), selection: None, collision: None, origin: Origin(None) }
     }
 
     /// Returns the same robot with a note about the chain that it was read from.
@@ -105,7 +114,7 @@ impl RobotModel {
             return Err(ModelError::NotFinite { joint });
         }
         let tree = Arc::new(self.tree.with_tool(self.tips()[0].offset * offset, tool));
-        Ok(Self { tree, origin: Some(Arc::clone(self)), ..Self::clone(self) })
+        Ok(Self { tree, origin: Origin(Some(Arc::clone(self))), ..Self::clone(self) })
     }
 
     /// Returns the name of the robot.

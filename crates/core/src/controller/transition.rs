@@ -80,13 +80,13 @@ impl Controller {
         let contacts = kept_contacts(memory, old, new);
         arm.recall_surfaces(|index| contacts.get(index).map(ContactAxis::known).unwrap_or_default());
         let initial = Memory::at_start(new, arm.measured());
+        let target_streams = kept_streams(memory, old, new);
         Ok(Memory {
             start_time_s: memory.start_time_s,
             drive: memory.drive.clone(),
             answered: memory.answered.clone(),
             jerk: if new.keeps_jerk() { memory.jerk.clone().or(initial.jerk) } else { None },
             initial_position: memory.initial_position.clone(),
-            target_streams: kept_streams(memory, old, new),
             progress: kept_progress(memory, old, new),
             stalls: memory.stalls.clone(),
             contacts,
@@ -96,7 +96,8 @@ impl Controller {
                 Vec::new()
             },
             in_transition: new.limits_let_joints_jump(),
-            channels: kept_channels(memory, old, new),
+            channels: kept_channels(memory, old, new, &target_streams),
+            target_streams,
             ..initial
         })
     }
@@ -128,13 +129,10 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
     let kept = |stream: &TargetStream| {
         let follower = &old.tasks[stream.task];
         let task = task_index(new, &follower.name).filter(|&task| new.tasks[task].rows == follower.rows)?;
-        let (law, settings) = (&new.tasks[task].law, &new.tasks[task].streaming);
-        if !stream.quantity.is_position() && law.target() != follower.law.target() {
+        if !stream.quantity.is_position() && new.tasks[task].law.target() != follower.law.target() {
             return None;
         }
-        let mut kept = TargetStream { task, ..stream.clone() };
-        kept.change_delay(follower.streaming.delay_s, settings.delay_s);
-        Some(kept).filter(|stream| fits_task(stream, new))
+        Some(TargetStream { task, ..stream.clone() }).filter(|stream| fits_task(stream, new))
     };
     let mut streams: Vec<_> = memory.target_streams.iter().filter_map(kept).collect();
     streams.sort_by_key(|stream| (stream.task, stream.quantity));
@@ -142,14 +140,25 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
 }
 
 /// Returns the channels that stay with their names and kinds, and new ones: newtons are no metres. A target that changes takes the
-/// place of those that states have brought.
-fn kept_channels(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig) -> Vec<ChannelState> {
+/// place of those that states have brought, and the targets to come of a chunk end with it. `streams`: those that stay.
+fn kept_channels(
+    memory: &Memory,
+    old: &ControllerConfig,
+    new: &ControllerConfig,
+    streams: &[TargetStream],
+) -> Vec<ChannelState> {
+    let chunks = |streams: &[TargetStream]| streams.iter().filter(|stream| stream.has_chunk()).count();
+    let has_lost_chunk = chunks(streams) < chunks(&memory.target_streams);
+    let before_s = memory.answered.as_ref().map(|answered| answered.time_s);
     let kept = |new: &ChannelConfig| {
         let is_same = |old: &ChannelConfig| old.name == new.name && old.kind == new.kind;
         let index = old.channels.iter().position(is_same)?;
         let mut state = memory.channels.get(index)?.clone();
         if new.target != old.channels[index].target {
             state.targets.clear();
+        }
+        if let Some(time_s) = before_s.filter(|_| has_lost_chunk) {
+            state.forget_later(time_s, time_s);
         }
         Some(state)
     };

@@ -127,7 +127,7 @@ impl ToolRows {
         if self.axes.axes()[row].index() < 3 { RowKind::Linear } else { RowKind::Angular }
     }
 
-    /// Returns the own target, from which streamed targets start.
+    /// Returns the own target.
     pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
         let MovingPose { pose, velocity: [linear, angular], .. } = self.target(arm, arm.time_s);
         let velocity = TaskVector::from_slice(&[linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]);

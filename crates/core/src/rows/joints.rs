@@ -4,7 +4,7 @@ use revprio_robot::RobotModel;
 use revprio_robot::kinematics::{half_range, joint_limit_slopes};
 
 use super::rows_error::RowsError;
-use crate::arm_state::{ArmAt, ArmState};
+use crate::arm_state::ArmAt;
 use crate::law::{Law, Profile, SetPoint, TaskState, TaskVector};
 use crate::linalg::Matrix;
 use crate::streaming::{ActiveStream, Reference, TargetValue};
@@ -60,18 +60,6 @@ impl JointRows {
     /// Selects the entries of the joints of this task, m.
     pub(super) fn select(&self, joints: &[f64]) -> TaskVector {
         TaskVector::from_fn(self.joints.len(), |row| joints[self.joints[row]])
-    }
-
-    /// Returns the own target, from which streamed targets start.
-    pub(super) fn own_reference(&self, arm: &ArmState) -> Reference {
-        match &self.target {
-            JointTarget::Position(profile) => {
-                let SetPoint { value, rate, .. } = profile.at(arm.profile_time(arm.time_s));
-                let value = TargetValue::Rows(TaskVector::from_slice(&value));
-                Reference { value, velocity: TaskVector::from_slice(&rate) }
-            }
-            JointTarget::MidRange => self.actual(&vec![0.0; self.joints.len()], arm.measured()),
-        }
     }
 
     /// Overwrites `target` with the positions (m) from which the joints are displaced. The middle of their ranges never moves.

@@ -216,11 +216,11 @@ impl TaskRows {
         }
     }
 
-    /// Returns the target from which streamed targets start: that of the configuration. `velocity`: ẋ of the last period, m.
+    /// Returns the target of the configuration, at which the streamed poses of laws with a spring start; for other quantities ẋ of the last
+    /// period, `velocity` (m).
     pub(crate) fn own_reference(&self, quantity: Quantity, arm: &ArmState, velocity: &[f64]) -> Reference {
         match (quantity, self) {
             (Quantity::Pose, Self::Tool(rows)) => rows.own_reference(arm),
-            (Quantity::JointPosition, Self::Joints(rows)) => rows.own_reference(arm),
             _ => Reference::at_rest(TargetValue::Rows(TaskVector::from_slice(velocity))),
         }
     }

@@ -43,6 +43,8 @@ pub(crate) struct ActiveStream {
     pub ignored: Option<Ignored>,
     /// What became of a chunk of this period.
     pub merged: Option<Merged>,
+    /// Whether a chunk was forgotten in this period, because the clock went back.
+    pub has_forgotten_chunk: bool,
 }
 
 /// The streams of one task in this period.
@@ -66,7 +68,8 @@ const FADE: f64 = 0.2;
 impl ActiveStream {
     pub fn new(stream: TargetStream) -> Self {
         let acceleration = TaskVector::zeros(stream.reference.velocity.len());
-        Self { stream, velocity: acceleration.clone(), acceleration, ignored: None, merged: None }
+        let velocity = acceleration.clone();
+        Self { stream, velocity, acceleration, ignored: None, merged: None, has_forgotten_chunk: false }
     }
 
     /// Returns what orders the streams: task and quantity.

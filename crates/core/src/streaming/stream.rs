@@ -175,27 +175,28 @@ impl TargetStream {
         motion.map_or_else(|| self.reference.clone(), |motion| self.chunk.faded(motion, time_s))
     }
 
-    /// Continues with another delay: the times of the actions of chunks have the old one in them.
-    pub(crate) fn change_delay(&mut self, old_s: f64, new_s: f64) {
-        if let Some(newest) = self.newest.as_mut().filter(|_| !self.chunk.actions.is_empty()) {
-            newest.time_s += old_s - new_s;
-        }
-    }
-
     /// Forgets the targets if the clock of the states went back by `back` (s), and actions that are past. The actions that are left
     /// after a time that was too late by mistake count as those of another clock: the first one is never later than the state with
-    /// which they came.
-    pub(crate) fn forget(&mut self, time_s: f64, back: f64, settings: &Streaming) {
+    /// which they came. Returns whether a chunk was forgotten.
+    pub(crate) fn forget(&mut self, time_s: f64, back: f64, settings: &Streaming) -> bool {
         let newest_s = self.newest.as_ref().map(|newest| newest.time_s);
         let known_s = if self.chunk.actions.is_empty() { newest_s } else { self.chunk.known_s() };
         // Newer targets would count as older ones for longer than a target is extrapolated.
-        let is_stale = back > settings.hold_after_s.max(MIN_INTERVAL);
-        if is_stale || known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD) {
+        let is_stale = back > settings.hold_after_s.max(MIN_INTERVAL)
+            || known_s.is_some_and(|known_s| known_s > time_s + MAX_AHEAD);
+        let had_chunk = self.has_chunk();
+        if is_stale {
             (self.newest, self.previous) = (None, None);
             self.ahead.clear();
             self.chunk.forget();
         }
         self.chunk.drop_past(time_s);
+        is_stale && had_chunk
+    }
+
+    /// Returns whether the stream has actions of chunks.
+    pub(crate) fn has_chunk(&self) -> bool {
+        !self.chunk.actions.is_empty()
     }
 
     /// Returns the time of the state minus the time of the newest target, s; `None` without a target.
@@ -277,7 +278,9 @@ impl TargetStream {
     /// Returns the state and the desired value at `time_s`.
     fn desired(&self, time_s: f64, settings: &Streaming, bound: impl Fn(usize) -> Bound) -> (TargetState, Reference) {
         let Some(newest) = &self.newest else { return (TargetState::Braking, self.reference.clone()) };
-        let age = time_s - newest.time_s - settings.delay_s;
+        // The times of actions have the delay in them that was stated when they came.
+        let last = self.chunk.actions.last();
+        let age = time_s - last.map_or(newest.time_s + settings.delay_s, |last| last.time_s);
         let velocity = velocity_within(newest, bound);
         let still = || TaskVector::zeros(velocity.len());
         let moved = |age: f64| newest.value.plus(&(&velocity * age));

@@ -95,7 +95,7 @@ impl TargetValue {
     }
 
     /// Returns this value moved by a displacement.
-    pub(super) fn plus(&self, displacement: &[f64]) -> Self {
+    pub(crate) fn plus(&self, displacement: &[f64]) -> Self {
         match self {
             Self::Pose(pose) => {
                 let moved = Vector3::new(displacement[0], displacement[1], displacement[2]);

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use revprio_core::controller::{
     Controller, ControllerConfig, Limits, Measurement, Memory, StepError, Stepper, TaskConfig,
 };
-use revprio_core::law::Law;
-use revprio_core::limits::LimitKind;
+use revprio_core::law::{Law, Profile};
+use revprio_core::limits::{Drive, LimitKind};
 use revprio_core::rows::{JointRows, JointTarget, TaskRows};
 use revprio_core::streaming::{
     Ignored, StreamedTarget, StreamedValue, Streaming, TargetError, TargetReport, TargetState,
@@ -18,6 +18,7 @@ use super::arms::{
     NOMINAL, PERIOD, config, constant, controller, force, gantry, hybrid, impedance, measurement, position, sawyer,
     task,
 };
+use super::drives::LaggingArm;
 
 /// Default bounds of a linear row.
 const MAX_VELOCITY: f64 = 1.0;
@@ -421,6 +422,42 @@ fn a_stream_starts_where_the_arm_is() {
         let time_s = f64::from(k) * PERIOD;
         let target = target_at(&posture(5.0), time_s, 0.5, None);
         assert_eq!(run.step(Some(target)).asked, 0.0, "period {k}");
+    }
+}
+
+/// The arm follows its own target behind a drive; then targets come that lie on its way, or where it is.
+#[test]
+fn a_stream_that_starts_on_the_way_neither_speeds_up_nor_dips() {
+    const SPEED: f64 = 0.2;
+    for (gain, lag_s, delay_periods, period_s) in [(4.0, 0.05, 3, 0.01), (8.0, 0.03, 2, 0.008), (20.0, 0.0, 0, 0.002)] {
+        let drive = Drive { lag_s, delay_periods };
+        let own = Profile::ramp(vec![0.0], vec![10.0 * SPEED], 0.0, 10.0).unwrap();
+        let rows = TaskRows::Joints(JointRows { joints: vec![0], target: JointTarget::Position(own) });
+        let task = TaskConfig { rows, ..posture(gain) };
+        let config = ControllerConfig { period_s, drive, ..config(&gantry(JointLimits::NONE), vec![task.clone()]) };
+        for stops in [false, true] {
+            let mut stepper = Stepper::new(controller(config.clone())).unwrap();
+            let (mut arm, mut memory) = (LaggingArm::at_rest(&[0.0; 3], drive, 0.0, 1), None);
+            let (mut begins, mut stand) = (0.0, 0.0);
+            for k in 0..800 {
+                let time_s = period_s * f64::from(k);
+                let mut measurement = arm.measure(time_s);
+                if k == 500 {
+                    (begins, stand) = (time_s, arm.q[0]);
+                }
+                if k >= 500 {
+                    let value = if stops { stand } else { SPEED * time_s };
+                    measurement.targets = vec![target_at(&task, time_s, value, Some(if stops { 0.0 } else { SPEED }))];
+                }
+                let command = stepper.step(&mut memory, &measurement).unwrap().resolution.joint_velocity.clone();
+                let case = format!("gain {gain}, stops {stops}, {:.3} s after the first target", time_s - begins);
+                if k > 490 && !stops {
+                    assert!((command[0] - SPEED).abs() < 1e-3 * SPEED, "{case}: {}", command[0]);
+                }
+                assert!(k < 500 || command[0] < 1.001 * SPEED, "{case}: {}", command[0]);
+                arm.follow(command.as_slice(), period_s);
+            }
+        }
     }
 }
 

@@ -19,7 +19,7 @@
 //! For each position task let e be its distance from the target (m and rad together), and e* the least one since a target changed. A
 //! period earns g = max(0, e* + d − e) + d for each task, where d is the way of its target in this period; e* ← min(e* + d, e). Then
 //!
-//! W ← clamp(W + Σ paid − κ Σ g − T W/τ, 0, l + l_0) and s = clamp((l − W)/l_0, 0, 1).
+//! W ← clamp(W + Σ paid − κ Σ g − T W/τ, 0, l + l_1) and s = clamp((l − W)/l_0, 0, 1).
 //!
 //! s scales all requests of the next period alike, so that their balance stays. τ = τ_0 2^k, where k counts how often W has reached
 //! l. Targets that move faster than v_0 or jump start anew with W = 0, and so does an arm that is elsewhere than in the period before:
@@ -30,10 +30,10 @@
 //! # What remains
 //!
 //! *Claim.* Let the targets and the obstacles rest, and let nothing start anew. From any time on, what joints pay in a time t, each payment
-//! counted as far as W takes it, is at most (l + l_0)(1 + t/τ) + κ Σ e, with the τ and the e at the start. While W ≥ l all requests are zero.
+//! counted as far as W takes it, is at most (l + l_1)(1 + t/τ) + κ Σ e, with the τ and the e at the start. While W ≥ l all requests are zero.
 //! So the rate of paying is halved each time W has reached l, until k is at its largest.
 //!
-//! *Proof.* W stays between 0 and l + l_0, and τ never falls. e* never grows while d = 0, so Σ g is at most Σ e. What is paid is the change
+//! *Proof.* W stays between 0 and l + l_1, and τ never falls. e* never grows while d = 0, so Σ g is at most Σ e. What is paid is the change
 //! of W, what is forgotten, ∫ W/τ, and κ Σ g. ∎
 //!
 //! What has no price remains: commands that change by at most ε, and joints that turn by at most h with less than ε.
@@ -71,7 +71,7 @@ const BUDGET: f64 = 2.1;
 /// l_0: s fades over this part of the budget.
 const FADING: f64 = 0.3;
 
-/// What may be spent beyond l, so that a little progress does not wake an arm at once.
+/// l_1: what may be spent beyond l, so that a little progress does not wake an arm at once.
 const BEYOND: f64 = 0.6;
 
 /// τ_0, s, and the largest k: two and a half years.

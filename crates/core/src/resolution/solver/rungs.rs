@@ -17,7 +17,7 @@ pub enum Rung {
     LastResort,
     /// All of them once more, from the empty set, because a guess met an uncertain rank.
     WithoutGuess,
-    /// All of them once more, with a larger tolerance for ranks.
+    /// All of them once more, from the empty set, with another tolerance for ranks.
     LargerRankTolerance,
 }
 

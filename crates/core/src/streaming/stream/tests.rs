@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-use super::{Arriving, Chunk, Ignored, Merged, TargetStream};
+use super::{Arriving, Chunk, Ignored, Merged, TargetState, TargetStream};
 use crate::law::TaskVector;
 use crate::streaming::{Align, Bound, LaterTarget, Quantity, Reference, Streaming, TargetValue};
 
@@ -220,7 +220,14 @@ fn a_reference_keeps_its_bounds_over_chunks() {
 fn another_delay_leaves_the_end_of_a_chunk_where_it_is() {
     let mut stream = stream(Quantity::JointPosition, rows(&[0.0]));
     merge(&mut stream, &actions(0.0, 0.1, (0..10).map(|k| rows(&[0.1 * f64::from(k)]))), 0.0).unwrap();
-    let age = stream.age(0.5).unwrap();
-    stream.change_delay(0.0, 0.3);
-    assert!((stream.age(0.5).unwrap() - 0.3 - age).abs() < 1e-12);
+    let delayed = Streaming { delay_s: 0.3, ..Streaming::default() };
+    let state_at = |time_s: f64| {
+        let mut stream = stream.clone();
+        let bound = |_| Bound { velocity: 1.0, acceleration: 5.0 };
+        stream.update(time_s, &delayed, bound, None, PERIOD);
+        (stream.state, stream.age(time_s).unwrap())
+    };
+    let (state, age) = state_at(0.89);
+    assert!(state == TargetState::Following && (age + 0.01).abs() < 1e-12, "{age}");
+    assert_eq!(state_at(0.91).0, TargetState::Extrapolating);
 }

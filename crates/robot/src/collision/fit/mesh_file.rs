@@ -124,8 +124,9 @@ fn read_obj(path: &Path) -> std::io::Result<Vec<Triangle>> {
     let text = std::fs::read(path)?;
     // The loader leaves out lines that begin with a space, and free forms.
     let lines: Vec<_> = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start).collect();
-    let keyword = |line: &[u8]| line.split(u8::is_ascii_whitespace).next().map(<[u8]>::to_vec);
-    if lines.iter().any(|line| keyword(line).is_some_and(|word| FREE_FORMS.contains(&word.as_slice()))) {
+    let has_free_form =
+        |line: &&[u8]| line.split(u8::is_ascii_whitespace).next().is_some_and(|word| FREE_FORMS.contains(&word));
+    if lines.iter().any(has_free_form) {
         return Err(std::io::Error::new(
             std::io::ErrorKind::InvalidData,
             "export free-form curves and surfaces as faces",

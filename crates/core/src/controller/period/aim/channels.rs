@@ -21,6 +21,10 @@ pub(super) fn update(
             None => channel.clone_from(&ChannelState::default()),
         }
     }
+    let before_s = previous.answered.as_ref().map_or(arm.time_s, |answered| answered.time_s);
+    if before_s > arm.time_s && may_be_forgotten(streams) {
+        channels.iter_mut().for_each(|channel| channel.forget_later(before_s, arm.time_s));
+    }
     for input in &measurement.channels {
         channels[input.channel].accept(&config.channels[input.channel], *input, arm.time_s);
     }
@@ -31,6 +35,11 @@ pub(super) fn update(
     for (channel, stated) in channels.iter_mut().zip(&config.channels) {
         channel.advance(stated, arm.time_s, profile_s, config.period_s);
     }
+}
+
+/// Returns whether targets to come belong to no chunk that is followed on the present clock.
+fn may_be_forgotten(streams: &[ActiveStream]) -> bool {
+    streams.iter().any(|active| active.has_forgotten_chunk) || !streams.iter().any(|active| active.stream.has_chunk())
 }
 
 /// Adds the channels of a chunk that its task follows.

@@ -31,7 +31,8 @@ pub(super) fn update(
     for active in &mut *streams {
         (active.ignored, active.merged) = (None, None);
         active.stream.advance(config.period_s + arm.missed_time.min(held));
-        active.stream.forget(arm.time_s, back, &config.tasks[active.stream.task].streaming);
+        active.has_forgotten_chunk =
+            active.stream.forget(arm.time_s, back, &config.tasks[active.stream.task].streaming);
     }
     for target in targets {
         accept(streams, target, previous, arm, config);
@@ -111,8 +112,9 @@ fn merge(
     None
 }
 
-/// Returns the index of the stream of a task and quantity. One that is not there yet starts where the arm is. A law with a spring starts at
-/// its own target, so that it keeps a contact.
+/// Returns the index of the stream of a task and quantity. One that is not there yet starts where the law asks for the motion that the arm
+/// has: it compares the posture of rest with where the reference is then. A law with a spring starts at its own target, so that it keeps a
+/// contact.
 fn found_or_started(
     streams: &mut Vec<ActiveStream>,
     key: (usize, Quantity),
@@ -128,7 +130,8 @@ fn found_or_started(
             Reference::at_rest(TargetValue::Rows(TaskVector::from_fn(rows.len(), |row| force[row].unwrap_or_default())))
         } else if quantity.is_position() && !law.integrates() {
             // Not at the target of the law, which may be far away.
-            rows.actual(previous.task_velocities[k].as_slice(), arm.at_rest())
+            let at_rest = rows.actual(previous.task_velocities[k].as_slice(), arm.at_rest());
+            Reference { value: at_rest.value.plus(&(&at_rest.velocity * -arm.time_to_rest)), ..at_rest }
         } else {
             rows.own_reference(quantity, arm, previous.task_velocities[k].as_slice())
         };

@@ -6,7 +6,7 @@ use super::super::aim::{PressingAxis, Requests};
 use crate::arm_state::ArmState;
 use crate::constraint;
 use crate::controller::config::ControllerConfig;
-use crate::law::ContactPhase;
+use crate::law::{ContactPhase, ContactSettings};
 use crate::limits::{Hold, braking_deceleration, spare_time};
 use crate::linalg::{Matrix, row_times};
 use crate::task::TaskStack;
@@ -126,12 +126,17 @@ impl Holding<'_> {
         forces.fold(0.0, f64::max)
     }
 
+    /// Returns the settings of an axis; `None` for a task without the law `contact`.
+    fn settings(&self, axis: &PressingAxis) -> Option<&ContactSettings> {
+        Some(&self.config.tasks[axis.task].law.contact()?.axes()[axis.row])
+    }
+
     /// Returns an upper bound of the stiffness that an axis presses on, N/m or N·m/rad; `None` for a task without the law `contact`.
     fn stiffness(&self, axis: &PressingAxis) -> Option<f64> {
-        let law = self.config.tasks[axis.task].law.contact()?;
+        let settings = self.settings(axis)?;
         let upper = axis.memory.estimate.upper;
         let is_known = axis.memory.phase != ContactPhase::Approach && upper > 0.0;
-        Some(if is_known { upper } else { law.axes()[axis.row].stiffest })
+        Some(if is_known { upper } else { settings.stiffest })
     }
 
     /// Returns the time after which a command has added its target to a force, or max(2 T, 10 ms) if that is more, s; infinite without a tool
@@ -151,7 +156,8 @@ impl Holding<'_> {
             }
             let along = axis.along(command, config, tasks);
             // A tool that follows a surface presses no harder. One that has lost it may meet it at rest.
-            let is_held = axis.memory.phase == ContactPhase::Contact;
+            let is_held =
+                axis.memory.phase == ContactPhase::Contact && axis.memory.force >= self.settings(axis)?.release();
             let speed = along - if is_held { axis.memory.motion.velocity.max(0.0) } else { 0.0 };
             let acceleration = self.held.as_ref().map_or(0.0, |held| held.acceleration(axis, command, along));
             let time = time_of_way(axis.target / stiffness, speed, (acceleration, self.time_to_rest(command)));
