@@ -159,6 +159,34 @@ test('a continued run leaves round surfaces, holes, edges and doors where they a
   assert.equal(door.offset_m, undefined);
 }));
 
+test('a continued run leaves moving walls in both directions where they are', options, () => withPage('scenario=stiff_wall', async (page) => {
+  const walls = await page.evaluate(async () => {
+    const { continued } = await import('/dashboard/continuation.js');
+    const { valueAt } = await import('/dashboard/profile.js');
+    const points = [{ time_s: 0, value: 0.01 }, { time_s: 3, value: [0.02] }];
+    const motions = [
+      { kind: 'constant', value: 0.01 },
+      { kind: 'sine', offset: [0.01], amplitude: 0.005, angular_frequency_rad_s: 2, phase_rad: 0.3 },
+      { kind: 'ramp', start: 0.01, end: [0.02], start_time_s: 0.5, duration_s: 4 },
+      { kind: 'steps', points },
+      { kind: 'waypoints', points },
+    ];
+    const given = [-0.05, 0.05].flatMap((offset_m) => motions.map((motion) => ({ kind: 'wall', axis: 'x', offset_m, motion })));
+    const scenario = { duration_s: 5, controller: { tasks: [] }, contacts: given };
+    const start = { position: [0, 0, 0], orientation: { w: 1, x: 0, y: 0, z: 0 } };
+    const { contacts } = continued(scenario, { joints: [] }, start, { time_s: 1, position: [0.03, 0, 0], joint_position: [] });
+    const away = ({ offset_m, motion }, time) => offset_m + valueAt(motion, 1, time)[0];
+    return contacts.map((plane, i) => ({
+      normal: plane.normal[0],
+      before: [1, 2.5, 4.5].map((time) => away(given[i], time)),
+      after: [1, 2.5, 4.5].map((time) => 0.03 - plane.normal[0] * away(plane, time - 1)),
+    }));
+  });
+  assert.deepEqual(walls.map(({ normal }) => normal), [1, 1, 1, 1, 1, -1, -1, -1, -1, -1]);
+  for (const { before, after } of walls) before.forEach((place, i) => assert.ok(Math.abs(after[i] - place) < 1e-9, `${after}, not ${before}`));
+  assert.ok(Math.abs(walls[0].after[0] + 0.04) < 1e-9, 'a wall at −0.05 m that has moved by 0.01 m');
+}));
+
 test('a continued run goes on with its programs and moving obstacles', options, () => withPage('scenario=stiff_wall', async (page) => {
   const [inserted, searching, door] = await page.evaluate(async () => {
     const { continued } = await import('/dashboard/continuation.js');

@@ -131,21 +131,52 @@ test('the past shows the bounds of a velocity only in their period, and a joint 
   assert.deepEqual(marks, [false, true]);
 }));
 
-test('the postures of a run belong to samples', options, () => withPage('scenario=joint_limits', async (page) => {
-  const times = await page.evaluate(async () => {
+test('the postures of a run are those of their samples, also while it receives commands', options, () => withPage('scenario=joint_limits', async (page) => {
+  const postures = await page.evaluate(async () => {
     const { History } = await import('/dashboard/history.js');
     const { Run } = await import('/dashboard/run.js');
     const scenario = await (await fetch('/v1/scenarios/joint_limits')).json();
     const history = new History();
-    const run = await new Promise((resolve) => {
-      Run.start({ scenario: { ...scenario, duration_s: 0.3 }, interactive: { speed: 1, paused: false } }, () => {}, resolve, history);
+    const ended = new Promise((resolve) => {
+      Run.start({ scenario: { ...scenario, duration_s: 0.6 }, interactive: { speed: 1, paused: false } }, async (run) => {
+        // The service then sends the same posture again, with later samples.
+        await new Promise((wake) => { setTimeout(wake, 25); });
+        await run.control({ paused: false }).catch(() => {});
+      }, resolve, history);
     });
-    await run.delete();
-    const known = history.samples.map(({ time_s }) => time_s);
-    return [history.arms.length, history.arms.filter(({ time }) => !known.includes(time)).length];
+    await (await ended).delete();
+    const places = new Map(history.samples.map(({ time_s, position }) => [time_s, position]));
+    return history.arms.map(({ time, arm }) => ({ place: arm.tool.position, expected: places.get(time) }));
   });
-  assert.ok(times[0] > 0);
-  assert.equal(times[1], 0);
+  assert.ok(postures.length > 3, `${postures.length} postures`);
+  for (const { place, expected } of postures) {
+    assert.ok(expected, 'a posture without a sample');
+    assert.ok(place.every((part, i) => Math.abs(part - expected[i]) < 1e-6), `${place}, not ${expected}`);
+  }
+}));
+
+test('a posture that comes with later samples keeps its time', options, () => withPage('scenario=stiff_wall', async (page) => {
+  // Numbers of finished periods, and periods of the samples. The third frame repeats the posture of the second one.
+  const frames = [[0, [0, 1]], [10, [5, 9]], [10, [10, 12]], [20, [16, 19, 21]], [20, []]];
+  await makeRunControl(page);
+  const times = await page.evaluate(async (given) => {
+    const { History } = await import('/dashboard/history.js');
+    const { Run } = await import('/dashboard/run.js');
+    const period = 0.001;
+    const events = given.map(([done, periods]) => {
+      const samples = periods.map((k) => globalThis.made.sample(k * period, [0, 0, 0]));
+      // As the service computes it: after the tenth period later than its next sample, by rounding.
+      const time_s = done > 0 ? (done - 1) * period + period : 0;
+      return `event: frame\ndata: ${JSON.stringify({ done, time_s, samples, arm: {} })}\n\n`;
+    });
+    const history = new History();
+    const { fetch } = globalThis;
+    globalThis.fetch = async (path, init) => (path === '/v1/simulations/made/live' ? new Response(events.join('')) : fetch(path, init));
+    await new Promise((resolve) => { new Run({ id: 'made' }, () => {}, resolve, history); });
+    globalThis.fetch = fetch;
+    return history.arms.map(({ time }) => time / period);
+  }, frames);
+  assert.deepEqual(times.map(Math.round), [9, 19]);
 }));
 
 test('a joint without limits is drawn on its circle, and is not at a limit', options, () => withPage('scenario=stiff_wall', async (page) => {

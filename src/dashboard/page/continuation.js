@@ -4,7 +4,7 @@ import { vec } from './arm.js';
 import { dot, norm, sub, unit, scale } from './geometry.js';
 import { inTaskFrame, positionRows, referencePose } from './goals.js';
 import { toolPose } from './measures.js';
-import { shifted } from './profile.js';
+import { negated, shifted } from './profile.js';
 
 /**
  * @typedef {import('./types.js').Scenario} Scenario
@@ -100,7 +100,9 @@ function continuedContact(contact, moved, time) {
   const side = offset < 0 ? -1 : 1;
   const normal = scale(vec([Number(k === 0), Number(k === 1), Number(k === 2)]), -side);
   const { axis: _, ...rest } = contact;
-  return { ...rest, kind: 'plane', normal, motion, offset_m: side * offset + dot(normal, moved) };
+  // The motion of a wall is along its axis, that of a plane into its material.
+  const inward = motion && side < 0 ? negated(motion) : motion;
+  return { ...rest, kind: 'plane', normal, motion: inward, offset_m: side * offset + dot(normal, moved) };
 }
 
 /** A cylinder, a sphere or a door keeps its middle. A door, which starts at the tool, is as wide as the tool is away from its hinge. @type {(contact: Contact, moved: [number, number, number]) => Contact} */

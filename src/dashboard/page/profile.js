@@ -1,4 +1,4 @@
-// Set-points over time: their values, and the same set-points for a run that starts later.
+// Set-points over time: their values, the same set-points for a run that starts later, and the opposite ones.
 
 /**
  * @typedef {import('./types.js').Profile} Profile
@@ -110,5 +110,20 @@ export function shifted(profile, time) {
       return { ...profile, start_time_s: (profile.start_time_s ?? 0) - time };
     default:
       return { ...profile, points: profile.points.map((point) => ({ ...point, time_s: point.time_s - time })) };
+  }
+}
+
+/** @type {(profile: Profile) => Profile} the profile with the opposite values */
+export function negated(profile) {
+  const minus = (/** @type {PerAxis} */ values) => (Array.isArray(values) ? values.map((value) => -value) : -values);
+  switch (profile.kind) {
+    case 'constant':
+      return { ...profile, value: minus(profile.value) };
+    case 'sine':
+      return { ...profile, offset: minus(profile.offset), amplitude: minus(profile.amplitude) };
+    case 'ramp':
+      return { ...profile, start: minus(profile.start), end: minus(profile.end) };
+    default:
+      return { ...profile, points: profile.points.map((point) => ({ ...point, value: minus(point.value) })) };
   }
 }

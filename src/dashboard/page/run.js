@@ -8,11 +8,19 @@ import { ApiError, events, post, remove } from './transport.js';
  * @typedef {import('./types.js').SimulationControl} SimulationControl
  * @typedef {import('./types.js').SimulationRequest} SimulationRequest
  * @typedef {import('./types.js').LiveFrame} LiveFrame
+ * @typedef {import('./types.js').LiveSample} LiveSample
  */
 
 /** Number of tries to start a run while the service is busy, and the time between them, ms. Within 5 s the service takes the place of a run whose page went without a word. */
 const TRIES = 30;
 const BETWEEN = 200;
+
+/** Returns the sample of the posture of a frame: that of the last finished period. A frame can have later samples, or only those. @type {(frame: LiveFrame) => LiveSample | undefined} */
+function sampleOfArm({ time_s: end, done, samples }) {
+  // Times are rounded, so they are compared with the middle of the period.
+  const middle = end - end / done / 2;
+  return samples.findLast(({ time_s }) => time_s < middle);
+}
 
 /** One run; `follow` receives its frames until it ends or is deleted. */
 export class Run {
@@ -61,8 +69,8 @@ export class Run {
       this.frame = frame;
       this.simulation = frame.run;
       for (const sample of frame.samples) this.history.push(sample);
-      const last = frame.samples.at(-1);
-      if (last) this.history.pushArm(last.time_s, frame.arm);
+      const shown = sampleOfArm(frame);
+      if (shown) this.history.pushArm(shown.time_s, frame.arm);
       this.ended = name === 'end';
       onFrame(this);
     };

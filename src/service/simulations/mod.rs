@@ -84,11 +84,15 @@ impl Simulations {
             return Err(busy());
         }
         if job.is_interactive() {
-            make_room(&jobs)?;
+            crowding(&jobs)?;
         }
         while is_full(&jobs) {
             let place = jobs.iter().position(has_ended).or_else(|| left_alone(&jobs)).ok_or_else(busy)?;
             jobs.remove(place).cancel();
+        }
+        // One that was removed has made room already.
+        if let Some(place) = job.is_interactive().then(|| crowding(&jobs)).transpose()?.flatten() {
+            jobs[place].finish();
         }
         jobs.push(Arc::clone(job));
         Ok(())
@@ -117,15 +121,13 @@ impl Simulations {
     }
 }
 
-/// Ends the interactive simulation that was left alone longest if there are too many.
-fn make_room(jobs: &[Arc<Job>]) -> Result<(), ApiError> {
+/// Returns the interactive simulation that must end before another one begins; `None` if there is room.
+fn crowding(jobs: &[Arc<Job>]) -> Result<Option<usize>, ApiError> {
     if jobs.iter().filter_map(|job| job.unattended_for()).count() < MAX_INTERACTIVE {
-        return Ok(());
+        return Ok(None);
     }
     let detail = || format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
-    let place = left_alone(jobs).ok_or_else(|| ApiError::busy(detail()))?;
-    jobs[place].finish();
-    Ok(())
+    left_alone(jobs).map(Some).ok_or_else(|| ApiError::busy(detail()))
 }
 
 /// Returns whether an interactive simulation was left alone for longer than [`ROOM_TIME`].

@@ -10,7 +10,7 @@ use crate::plant::{Conditions, Controller, Noise, run};
 /// Every stiffness and speed behind four drives: a ninth of the grid.
 fn some_cells() -> impl Iterator<Item = Conditions> {
     let drives = [(0.0, 0, 0.001), (0.005, 0, 0.001), (0.01, 1, 0.002), (0.02, 2, 0.008)];
-    let cell = |stiffness: f64, speed: f64| drives.map(|drive| Conditions::new(stiffness, speed, drive));
+    let cell = move |stiffness: f64, speed: f64| drives.map(|drive| Conditions::new(stiffness, speed, drive));
     let cells = STIFFNESSES.into_iter().flat_map(move |k| SPEEDS.into_iter().flat_map(move |v| cell(k, v)));
     (1..).zip(cells).map(|(seed, cell)| cell.seeded(seed))
 }

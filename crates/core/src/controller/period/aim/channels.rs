@@ -23,7 +23,9 @@ pub(super) fn update(
     }
     let before_s = previous.answered.as_ref().map_or(arm.time_s, |answered| answered.time_s);
     if before_s > arm.time_s && may_be_forgotten(streams) {
-        channels.iter_mut().for_each(|channel| channel.forget_later(before_s, arm.time_s));
+        for channel in channels.iter_mut() {
+            channel.forget_later(before_s, arm.time_s);
+        }
     }
     for input in &measurement.channels {
         channels[input.channel].accept(&config.channels[input.channel], *input, arm.time_s);
