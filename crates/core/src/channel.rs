@@ -133,15 +133,21 @@ impl ChannelState {
         }
     }
 
-    /// Forgets the targets to come, because their times belong to another clock or to a chunk that is no longer followed. A channel at the
-    /// last one goes on to it; one between two of them stays. `before_s`: the time of the last period on the old clock, `time_s`: its time on
-    /// the present one, s.
-    pub(crate) fn forget_later(&mut self, before_s: f64, time_s: f64) {
-        let is_at_last = self.targets.last().is_some_and(|last| last.time_s <= before_s);
-        let value = if is_at_last { self.targets.last().map(|last| last.value) } else { self.command };
-        let value = value.filter(|_| !self.targets.is_empty());
-        self.targets.clear();
-        self.targets.extend(value.map(|value| ChannelTarget { time_s, value }));
+    /// Stays where it is from `time_s` on, because the chunk with the targets to come is followed no more.
+    pub(crate) fn stay(&mut self, time_s: f64) {
+        if !self.targets.is_empty() {
+            self.targets.clear();
+            self.targets.extend(self.command.map(|value| ChannelTarget { time_s, value }));
+        }
+    }
+
+    /// Goes on to a lone target after the clock went back from `before_s` to `time_s`.
+    pub(crate) fn go_on(&mut self, before_s: f64, time_s: f64) {
+        if let [target] = &mut self.targets[..]
+            && target.time_s <= before_s
+        {
+            target.time_s = target.time_s.min(time_s);
+        }
     }
 
     /// Replaces the targets from the first one of a chunk on, at `time_s`. At most [`MAX_CHANNEL_TARGETS`] are kept, the nearest ones. If the
@@ -275,22 +281,24 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_whose_chunk_is_forgotten_goes_on_to_its_last_target_or_stays() {
+    fn a_channel_stays_where_its_chunk_is_forgotten_and_goes_on_to_a_lone_target() {
         let config = gripper();
         let target = |time_s: f64, value: f64| ChannelTarget { time_s, value };
         let mut opening = ChannelState::default();
         opening.merge([target(100.0, 0.0), target(101.0, 0.0), target(101.1, 0.08)].into_iter(), 100.0);
         opening.advance(&config, 100.5, 0.0, 0.01);
-        opening.forget_later(100.5, 100.4);
+        opening.go_on(100.5, 100.4);
+        assert_eq!(opening.targets.len(), 3, "a chunk keeps its times");
+        opening.stay(100.4);
         opening.advance(&config, 101.2, 0.0, 0.01);
         assert_eq!((opening.command, opening.targets.len()), (Some(0.0), 1));
         let mut closing = ChannelState::default();
         closing.accept(&config, ChannelInput { channel: 0, measured: Some(0.05), target: Some(0.0) }, 100.0);
-        closing.forget_later(100.1, 3.0);
+        closing.go_on(100.1, 3.0);
         closing.advance(&config, 3.0, 0.0, 1.0);
         assert_eq!(closing.command, Some(0.0));
         let mut waiting = ChannelState::default();
-        waiting.forget_later(100.0, 3.0);
+        waiting.stay(3.0);
         assert_eq!(waiting, ChannelState::default());
         assert!([&opening, &closing].into_iter().all(ChannelState::is_valid));
     }

@@ -83,16 +83,14 @@ impl Simulations {
         if is_full(&jobs.iter().filter(is_needed).cloned().collect::<Vec<_>>()) {
             return Err(busy());
         }
-        if job.is_interactive() {
-            crowding(&jobs)?;
-        }
+        let crowding = if job.is_interactive() { crowding(&jobs)? } else { None };
         while is_full(&jobs) {
             let place = jobs.iter().position(has_ended).or_else(|| left_alone(&jobs)).ok_or_else(busy)?;
             jobs.remove(place).cancel();
         }
-        // One that was removed has made room already.
-        if let Some(place) = job.is_interactive().then(|| crowding(&jobs)).transpose()?.flatten() {
-            jobs[place].finish();
+        // One that was removed has ended already.
+        if let Some(crowding) = crowding.filter(|it| jobs.iter().any(|job| Arc::ptr_eq(job, it))) {
+            crowding.finish();
         }
         jobs.push(Arc::clone(job));
         Ok(())
@@ -122,12 +120,12 @@ impl Simulations {
 }
 
 /// Returns the interactive simulation that must end before another one begins; `None` if there is room.
-fn crowding(jobs: &[Arc<Job>]) -> Result<Option<usize>, ApiError> {
+fn crowding(jobs: &[Arc<Job>]) -> Result<Option<Arc<Job>>, ApiError> {
     if jobs.iter().filter_map(|job| job.unattended_for()).count() < MAX_INTERACTIVE {
         return Ok(None);
     }
     let detail = || format!("{MAX_INTERACTIVE} interactive simulations are running; end one, or try again later");
-    left_alone(jobs).map(Some).ok_or_else(|| ApiError::busy(detail()))
+    left_alone(jobs).map(|place| Some(Arc::clone(&jobs[place]))).ok_or_else(|| ApiError::busy(detail()))
 }
 
 /// Returns whether an interactive simulation was left alone for longer than [`ROOM_TIME`].

@@ -140,16 +140,16 @@ fn kept_streams(memory: &Memory, old: &ControllerConfig, new: &ControllerConfig)
 }
 
 /// Returns the channels that stay with their names and kinds, and new ones: newtons are no metres. A target that changes takes the
-/// place of those that states have brought, and the targets to come of a chunk end with it. `streams`: those that stay.
+/// place of those that states have brought, and the targets to come end with the last chunk. `streams`: those that stay.
 fn kept_channels(
     memory: &Memory,
     old: &ControllerConfig,
     new: &ControllerConfig,
     streams: &[TargetStream],
 ) -> Vec<ChannelState> {
-    let chunks = |streams: &[TargetStream]| streams.iter().filter(|stream| stream.has_chunk()).count();
-    let has_lost_chunk = chunks(streams) < chunks(&memory.target_streams);
-    let before_s = memory.answered.as_ref().map(|answered| answered.time_s);
+    let has_chunk = |streams: &[TargetStream]| streams.iter().any(TargetStream::has_chunk);
+    let has_lost_chunks = has_chunk(&memory.target_streams) && !has_chunk(streams);
+    let stays_from_s = memory.answered.as_ref().map(|answered| answered.time_s).filter(|_| has_lost_chunks);
     let kept = |new: &ChannelConfig| {
         let is_same = |old: &ChannelConfig| old.name == new.name && old.kind == new.kind;
         let index = old.channels.iter().position(is_same)?;
@@ -157,8 +157,8 @@ fn kept_channels(
         if new.target != old.channels[index].target {
             state.targets.clear();
         }
-        if let Some(time_s) = before_s.filter(|_| has_lost_chunk) {
-            state.forget_later(time_s, time_s);
+        if let Some(time_s) = stays_from_s {
+            state.stay(time_s);
         }
         Some(state)
     };

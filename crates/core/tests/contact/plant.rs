@@ -119,7 +119,7 @@ impl Conditions {
         }
     }
 
-    /// Returns the same with one of three seeds and phases.
+    /// Returns the same with a seed, and one of three phases of the touch.
     pub fn seeded(self, seed: u64) -> Self {
         let phase = [0.05, 0.5, 0.95][(seed % 3) as usize];
         Self { phase, seed, ..self }

@@ -58,7 +58,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Solves the problem from a working set on (section 6).
     ///
     /// Where rounding may have decided a rank, several working sets can look right. The answer then comes from the empty set,
-    /// whatever the guess is, and from another tolerance for ranks if that is better, where it is not certified.
+    /// whatever the guess is. If it is not certified, other tolerances for ranks are tried, and the best answer counts.
     pub fn solve_rows(&mut self, problem: &ProblemRows<N>, start: Start, solution: &mut Solution) {
         if self.rungs[Rung::Start].tried > 0 {
             // A solver of one problem alone seldom needs this memory.

@@ -22,9 +22,11 @@ pub(super) fn update(
         }
     }
     let before_s = previous.answered.as_ref().map_or(arm.time_s, |answered| answered.time_s);
-    if before_s > arm.time_s && may_be_forgotten(streams) {
+    // The targets to come may be those of a chunk that another task still follows.
+    if before_s > arm.time_s && !streams.iter().any(|active| active.stream.has_chunk()) {
+        let is_forgotten = streams.iter().any(|active| active.has_forgotten_chunk);
         for channel in channels.iter_mut() {
-            channel.forget_later(before_s, arm.time_s);
+            if is_forgotten { channel.stay(arm.time_s) } else { channel.go_on(before_s, arm.time_s) }
         }
     }
     for input in &measurement.channels {
@@ -37,11 +39,6 @@ pub(super) fn update(
     for (channel, stated) in channels.iter_mut().zip(&config.channels) {
         channel.advance(stated, arm.time_s, profile_s, config.period_s);
     }
-}
-
-/// Returns whether targets to come belong to no chunk that is followed on the present clock.
-fn may_be_forgotten(streams: &[ActiveStream]) -> bool {
-    streams.iter().any(|active| active.has_forgotten_chunk) || !streams.iter().any(|active| active.stream.has_chunk())
 }
 
 /// Adds the channels of a chunk that its task follows.
