@@ -133,9 +133,9 @@ impl ChannelState {
         }
     }
 
-    /// Stays where it is from `time_s` on, because the chunk with the targets to come is followed no more.
+    /// Stays where it is from `time_s` on if a target is to come, because its chunk is followed no more.
     pub(crate) fn stay(&mut self, time_s: f64) {
-        if !self.targets.is_empty() {
+        if self.targets.last().is_some_and(|last| last.time_s > time_s) {
             self.targets.clear();
             self.targets.extend(self.command.map(|value| ChannelTarget { time_s, value }));
         }
@@ -297,6 +297,10 @@ mod tests {
         closing.go_on(100.1, 3.0);
         closing.advance(&config, 3.0, 0.0, 1.0);
         assert_eq!(closing.command, Some(0.0));
+        closing.accept(&config, ChannelInput { channel: 0, measured: None, target: Some(0.08) }, 4.0);
+        closing.stay(4.5);
+        closing.advance(&config, 4.5, 0.0, 1.0);
+        assert_eq!(closing.command, Some(0.08), "a target of now is not to come");
         let mut waiting = ChannelState::default();
         waiting.stay(3.0);
         assert_eq!(waiting, ChannelState::default());
