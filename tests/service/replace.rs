@@ -94,6 +94,20 @@ fn a_replaced_controller_without_a_step_starts_anew() {
 }
 
 #[test]
+fn a_tool_offset_that_moves_nothing_is_none() {
+    let service = Service::start();
+    let running = controller("velocity", &json!([along("x", 0.1)]));
+    let mut arm = arm(&service, &running);
+    arm.step();
+    let mut stated = running.clone();
+    stated["tool_offset"] = json!({"position": [0, 0, 0], "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}});
+    for controller in [stated, running] {
+        replace(&service, &arm.session, &controller, &[]).accepted();
+        arm.step();
+    }
+}
+
+#[test]
 fn what_belongs_to_the_arm_cannot_be_replaced_and_nothing_changes_then() {
     let service = Service::start();
     let running = controller("velocity", &json!([along("x", 0.1)]));

@@ -4,12 +4,13 @@ mod policy;
 mod random_streams;
 
 use nalgebra::Vector3;
+use revprio_core::channel::{ChannelConfig, ChannelInput, ChannelKind, ChannelTarget};
 use revprio_core::controller::{Controller, ControllerConfig, Limits, Measurement, StepError, Stepper, TaskConfig};
 use revprio_core::law::{Law, MotionPath, PositionLaw};
 use revprio_core::limits::LimitKind;
 use revprio_core::streaming::{
-    Action, Align, ChunkError, MAX_ACTIONS, MAX_HORIZON, StreamedChunk, StreamedTarget, StreamedValue, Streaming,
-    TargetState,
+    Action, Align, ChannelChunk, ChunkError, MAX_ACTIONS, MAX_HORIZON, StreamedChunk, StreamedTarget, StreamedValue,
+    Streaming, TargetState,
 };
 use revprio_robot::JointLimits;
 use revprio_robot::kinematics::Axis;
@@ -174,6 +175,44 @@ fn a_chunk_is_forgotten_when_its_clock_is_another_one() {
         assert_eq!(command.targets[0].streamed.unwrap().state, TargetState::Braking, "{begins}");
         assert!(run.memory.as_ref().unwrap().target_streams[0].chunk.actions.is_empty(), "{begins}");
     }
+}
+
+/// A gripper stays where it is when the clock forgets its chunk, and closes to a target of now.
+#[test]
+fn a_channel_stays_where_its_chunk_is_forgotten() {
+    let channel = ChannelConfig {
+        name: "gripper".to_owned(),
+        kind: ChannelKind::Position,
+        lower: 0.0,
+        upper: 0.08,
+        max_rate: 1.0,
+        target: None,
+    };
+    let base = config(&gantry(JointLimits::NONE), vec![task(&[Axis::X], position(1, 5.0))]);
+    let mut run = Run::new(controller(ControllerConfig { channels: vec![channel], ..base }), &[0.0; 3]);
+    let command = |run: &Run| run.memory.as_ref().unwrap().channels[0].command.unwrap();
+    let targets = [(0.0, 0.02), (10.0, 0.08)].map(|(time_s, value)| ChannelTarget { time_s, value });
+    let arc = |time: f64| along_x(0.2 * (0.6 * time).sin());
+    let channels = vec![ChannelChunk { channel: 0, targets: targets.to_vec() }];
+    run.step(vec![StreamedChunk { channels, ..chunk(0.0, 0.1, 101, arc) }]).unwrap();
+    while run.time() < 5.0 {
+        run.step(Vec::new()).unwrap();
+    }
+    let stays = command(&run);
+    assert!((stays - 0.05).abs() < 1e-3, "{stays}");
+    run.period = 0;
+    for _ in 0..50 {
+        run.step(Vec::new()).unwrap();
+        assert_eq!(command(&run), stays, "{}", run.time());
+    }
+    let closing = ChannelInput { channel: 0, measured: None, target: Some(0.0) };
+    let measured = Measurement { time_s: run.time(), channels: vec![closing], ..measurement(&run.q) };
+    run.stepper.step(&mut run.memory, &measured).unwrap();
+    run.period = 0;
+    for _ in 0..50 {
+        run.step(Vec::new()).unwrap();
+    }
+    assert_eq!(command(&run), 0.0);
 }
 
 #[test]

@@ -528,6 +528,25 @@ fn the_speed_of_a_lost_surface_lengthens_no_hold() {
     assert_eq!(receding, standing);
 }
 
+/// A period without force may be the first of a loss. The phase changes later.
+#[test]
+fn the_speed_of_a_surface_without_force_lengthens_no_hold() {
+    let robot = panda();
+    let settings = ContactSettings { stiffest: 1e5, ..ContactSettings::default() };
+    let q = [0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.8];
+    let mut world = World::new(&robot, &q, press_down(&robot, settings), &[(2, 0.002, -1.0, 1e5)]);
+    world.run(1.0, 1);
+    assert_eq!(world.phase, [ContactPhase::Contact]);
+    world.memory.as_mut().unwrap().contacts[0].motion.velocity = 0.05;
+    let memory = world.memory.clone();
+    let with_force = world.answer().1.time_s;
+    world.walls.clear();
+    world.memory = memory;
+    let without = world.answer().1.time_s;
+    assert_eq!(world.memory.as_ref().unwrap().contacts[0].phase, ContactPhase::Contact);
+    assert!(with_force > 1.0 && without < 0.05, "{with_force} s, {without} s without force");
+}
+
 /// A tare in such a moment would take the force of the surface for a bias. That of a sensor in free space looks like a contact for ever.
 #[test]
 fn a_tool_presses_surely_before_the_contact_is_held_and_never_with_a_bias() {

@@ -9,7 +9,7 @@ use revprio_core::controller::{
 use revprio_core::law::Law;
 use revprio_core::limits::{Drive, LimitKind, VelocityBox};
 use revprio_core::resolution::{Method, Solver};
-use revprio_core::streaming::{StreamedTarget, StreamedValue};
+use revprio_core::streaming::{Action, Align, ChannelChunk, StreamedChunk, StreamedTarget, StreamedValue};
 use revprio_robot::kinematics::Axis;
 use revprio_robot::{RobotModel, built_in};
 
@@ -335,4 +335,49 @@ fn a_channel_of_another_kind_starts_anew() {
         new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().channels[0].targets.clone()
     };
     assert_eq!((targets(30.0), targets(20.0)), (streamed.to_vec(), vec![]));
+}
+
+/// A gripper whose chunk ends with its task stays where it is, and goes on while another task follows a chunk.
+#[test]
+fn a_channel_stays_where_its_chunk_ends() {
+    let config = |names: &[&str]| {
+        let channel = ChannelConfig {
+            name: "gripper".to_owned(),
+            kind: ChannelKind::Position,
+            lower: 0.0,
+            upper: 0.08,
+            max_rate: 1.0,
+            target: None,
+        };
+        let named =
+            |(name, axis): (&&str, &Axis)| TaskConfig { name: (*name).to_owned(), ..task(&[*axis], position(1, 2.0)) };
+        let tasks = names.iter().zip(&[Axis::X, Axis::Y]).map(named).collect();
+        let config = ControllerConfig::new(robot("panda"), PERIOD, tasks);
+        Controller::new(ControllerConfig { channels: vec![channel], ..config }).unwrap()
+    };
+    let chunk = |task: usize| {
+        let at = |time_s: f64| {
+            let position = if task == 0 { [0.5, 0.0, 0.0] } else { [0.0, 0.1, 0.0] };
+            Action { time_s, value: StreamedValue::Pose { position: Some(position.into()), orientation: None } }
+        };
+        let actions = vec![at(0.0), at(1.0)];
+        StreamedChunk { task, actions, align: Align::Time, channels: Vec::new() }
+    };
+    let opening = [(0.0, 0.0), (1.0, 0.08)].map(|(time_s, value)| ChannelTarget { time_s, value });
+    let q = [0.0, -0.5, 0.0, -2.0, 0.0, 1.5, 0.8];
+    let old = config(&["reach", "side"]);
+    let kept = |chunks: Vec<StreamedChunk>, new: &Controller| {
+        let mut memory = None;
+        let measured = Measurement { chunks, ..measurement(0, &q, &mut Random(1)) };
+        Stepper::new(old.clone()).unwrap().step(&mut memory, &measured).unwrap();
+        new.continue_from(&old, memory.as_ref().unwrap(), &q).unwrap().channels[0].clone()
+    };
+    let with_channel =
+        StreamedChunk { channels: vec![ChannelChunk { channel: 0, targets: opening.to_vec() }], ..chunk(0) };
+    let ended = kept(vec![with_channel.clone()], &config(&["other"]));
+    assert_eq!((ended.command, ended.targets), (Some(0.0), vec![opening[0]]));
+    let followed = kept(vec![with_channel.clone()], &config(&["reach"]));
+    assert_eq!(followed.targets, opening);
+    let followed = kept(vec![with_channel, chunk(1)], &config(&["other", "side"]));
+    assert_eq!(followed.targets, opening);
 }
