@@ -37,6 +37,9 @@ fn auto_and_qp_agree_unless_they_say_that_a_rank_is_uncertain() {
         let (mut resolver, mut auto) = (Resolver::default(), Resolution::default());
         resolver.resolve(&problem, &[], &mut auto).unwrap();
         rungs = rungs + resolver.rungs();
+        let mut again = Resolution::default();
+        resolver.resolve(&problem, &[], &mut again).unwrap();
+        assert_eq!(again.joint_velocity, auto.joint_velocity, "seed {seed}: the resolver remembers the call before");
         let qp = resolve_with(Solver::Qp, &problem, &[]).unwrap();
         let difference = (&auto.joint_velocity - &qp.joint_velocity).amax();
         let context =

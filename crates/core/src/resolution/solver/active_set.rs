@@ -14,6 +14,9 @@ use crate::tolerances::TOLERANCES;
 /// Trials near a guess, where everything that is wrong changes at once, before a set is proposed.
 const GUESSED_TRIALS: u32 = 3;
 
+/// Sets of the last resort after which the cascade proposes one, if it has not yet.
+const CORRECTIONS_BEFORE_CASCADE: u32 = 40;
+
 /// How often all sizes that may count as rounding are tried in the last resort.
 const TURNS: usize = 2;
 
@@ -187,9 +190,12 @@ impl<const N: usize> ActiveSetSolver<N> {
                     self.propose_by_cascade(problem)
                 }
             }
-            // Where rounding may decide a rank, the cascade may decide otherwise.
+            // Where rounding may decide a rank, the cascade may decide otherwise. It is asked after some corrections.
             Rung::Search if self.solved.rank_uncertain => self.correct_in_turn(problem),
             Rung::Start | Rung::StartCorrected | Rung::Search => self.propose_by_cascade(problem),
+            Rung::LastResort if self.cascade_point.is_none() && self.corrections == CORRECTIONS_BEFORE_CASCADE => {
+                self.propose_by_cascade(problem)
+            }
             _ => self.correct_in_turn(problem),
         }
     }
@@ -221,7 +227,7 @@ impl<const N: usize> ActiveSetSolver<N> {
     /// Once sets repeat, it is the one with the least index, unknowns before rows (Murty's rule, which ends), and another size counts
     /// as rounding. One set is kept for comparison, and replaced after twice as many (Brent).
     fn correct_in_turn(&mut self, problem: &ProblemRows<N>) -> Rung {
-        self.repetitions += usize::from(self.set == self.mark);
+        self.repetitions += usize::from(self.corrections > 0 && self.set == self.mark);
         self.corrections += 1;
         if self.corrections.is_power_of_two() {
             self.mark.copy_from(&self.set);
