@@ -80,6 +80,10 @@ pub fn read(text: &str) -> Result<Vec<Triangle>, ColladaError> {
         Some(Ok(metres)) if metres.is_finite() && metres > 0.0 => metres,
         Some(_) => return Err(ColladaError::Numbers("unit".to_owned())),
     };
+    let is_local = |node: &Node| node.has_tag_name_local("unit") && node.parent_element() != child(root, "asset");
+    if root.descendants().filter(is_local).any(|local| local.attribute("meter") != unit) {
+        return Err(ColladaError::Unsupported("unit".to_owned()));
+    }
     let to_metres = Matrix4::new_scaling(metres);
     let scene = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
     let named = scene.map(|instance| reader.target(instance, "url")).transpose()?;

@@ -97,6 +97,9 @@ fn what_could_stand_elsewhere_is_refused() {
         unsupported("instance_controller")
     );
     assert_eq!(refused(POLYGON, r##"<node><instance_node url="#again"/></node>"##), ColladaError::TooLarge);
+    let metres = |meter: &str| format!(r#"<node><asset><unit meter="{meter}"/></asset>{PLAIN}</node>"#);
+    assert_eq!(refused(POLYGON, &metres("1")), unsupported("unit"));
+    assert!(read(&file(POLYGON, &metres("0.01"))).is_ok());
     let elsewhere = refused(POLYGON, r#"<node><instance_geometry url="other.dae#square"/></node>"#);
     assert!(matches!(elsewhere, ColladaError::Reference { .. }), "{elsewhere}");
     for transform in ["<matrix>1 2</matrix>", "<translate>a b c</translate>", "<rotate>0 0 0 90</rotate>"] {
