@@ -338,6 +338,19 @@ VISUAL = """
 </mujoco>"""
 
 
+def test_geoms_that_collide_only_in_a_stated_pair_become_shapes() -> None:
+    """MuJoCo models for accelerators clear all masks and list the pairs."""
+    text = """<mujoco><worldbody><body name="arm"><joint name="turn" range="-60 60"/>
+        <geom name="link" type="capsule" size="0.05" fromto="0 0 0 0.3 0 0"/>
+        <geom name="tool" type="box" size="0.1 0.02 0.3" contype="0" conaffinity="0"/>
+        <geom type="sphere" size="0.4" contype="0" conaffinity="0"/>
+        </body><geom name="table" type="box" size="1 1 0.1" pos="0 0 -1" contype="0" conaffinity="0"/></worldbody>
+        <contact><pair geom1="tool" geom2="table"/></contact></mujoco>"""
+    urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(text), 1.0)
+    shapes = {link.get("name"): len(link.findall("collision")) for link in ET.fromstring(urdf).findall("link")}
+    assert shapes == {"world": 1, "arm": 2}
+
+
 def test_links_that_are_only_visible_are_listed_as_uncovered() -> None:
     urdf = revprio.read_mjcf(mujoco.MjModel.from_xml_string(VISUAL), velocity_limits=1.0)
     visible = {link.get("name"): len(link.findall("visual")) for link in ET.fromstring(urdf).findall("link")}

@@ -30,11 +30,11 @@ def read_mjcf(
     locks becomes fixed, with the joints that follow it. Ball joints and joints of closed kinematic loops cannot be
     part of a serial arm; they have the types `ball` and `closed_loop`. The world can close a loop too, but mocap
     bodies and free bodies do not. If nothing but a body with a free joint has joints, that body is the root;
-    otherwise the root is `world`. Geoms that can collide become `<collision>` elements, from which `shapes="fit"` of
-    a registration makes capsules; meshes and ellipsoids become their bounding boxes, planes and height fields are
-    left out. A link with visual geoms only has one of them as `<visual>`, so that the service lists it as uncovered.
-    Free bodies and mocap bodies without other joints are left out, with all that they carry: they are fixed to no
-    link. The text has no masses.
+    otherwise the root is `world`. Geoms that can collide, by their masks or by a `<pair>`, become `<collision>`
+    elements, from which `shapes="fit"` of a registration makes capsules; meshes and ellipsoids become their bounding
+    boxes, planes and height fields are left out. A link with visual geoms only has one of them as `<visual>`, so that
+    the service lists it as uncovered. Free bodies and mocap bodies without other joints are left out, with all that
+    they carry: they are fixed to no link. The text has no masses.
 
     Needs the package `mujoco`: `pip install revprio[mujoco]`.
 
@@ -94,6 +94,8 @@ class _Tree:
         self.mimics = dict(_mimics(model, couplings, self.locked))
         self.jointed_trees = self.find_jointed_trees()
         self.loops = set(_loops(library, model))
+        # The pairs of `<contact>` collide whatever the masks of their geoms say.
+        self.paired = {*map(int, model.pair_geom1), *map(int, model.pair_geom2)}
         self.robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "mujoco")
 
     def speeds_of(self, limits: float | Mapping[str, float] | None) -> Mapping[str, float]:
@@ -213,7 +215,8 @@ class _Tree:
                 _write_shape(link, "visual", form, placement)
 
     def is_visual(self, geom: int) -> bool:
-        return not self.model.geom_contype[geom] | self.model.geom_conaffinity[geom]
+        has_mask = self.model.geom_contype[geom] | self.model.geom_conaffinity[geom]
+        return not has_mask and geom not in self.paired
 
     def carrier(self, geom: int) -> tuple[ET.Element | None, Array]:
         """Returns the link of the body of a geom, or of the nearest body above with a link, and the placement in it.
