@@ -173,10 +173,11 @@ fn work_that_misses_its_deadline_is_refused() {
     service.call("/v1/step", &example("step.json"));
 }
 
-/// Clarabel needs minutes for tens of levels with hundreds of rows that cannot be kept.
+/// Clarabel needs seconds for tens of levels with hundreds of rows that cannot be kept: several times the deadline, and more than all attempts
+/// afterwards together.
 #[test]
 fn abandoned_work_of_the_solver_qp_does_not_keep_others_waiting() {
-    let config = ServiceConfig { work_timeout: Duration::from_secs(3), ..ServiceConfig::default() };
+    let config = ServiceConfig { work_timeout: Duration::from_millis(300), ..ServiceConfig::default() };
     let service = Service::with(config);
     let entry = |seed: usize| (seed as f64 * 12.9898).sin();
     let row = |seed: usize| (0..32).map(|j| entry(32 * seed + j * j)).collect::<Vec<_>>();
@@ -199,6 +200,6 @@ fn abandoned_work_of_the_solver_qp_does_not_keep_others_waiting() {
         }
     });
     // On a busy machine, a thread needs some time for the call of Clarabel that it is in.
-    let mut attempts = (0..20).map(|_| service.post("/v1/resolve", &problem(1)).status);
+    let mut attempts = (0..5).map(|_| service.post("/v1/resolve", &problem(1)).status);
     assert!(attempts.any(|status| status == 200), "the abandoned work goes on");
 }
