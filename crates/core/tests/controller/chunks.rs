@@ -205,9 +205,12 @@ fn a_channel_stays_where_its_chunk_is_forgotten() {
         run.step(Vec::new()).unwrap();
         assert_eq!(command(&run), stays, "{}", run.time());
     }
+    run.period = 5000;
+    let chunks = vec![chunk(run.time(), 0.1, 100, arc)];
     let closing = ChannelInput { channel: 0, measured: None, target: Some(0.0) };
-    let measured = Measurement { time_s: run.time(), channels: vec![closing], ..measurement(&run.q) };
+    let measured = Measurement { time_s: run.time(), channels: vec![closing], chunks, ..measurement(&run.q) };
     run.stepper.step(&mut run.memory, &measured).unwrap();
+    assert!(command(&run) > 0.03, "the gripper is not closed yet");
     run.period = 0;
     for _ in 0..50 {
         run.step(Vec::new()).unwrap();

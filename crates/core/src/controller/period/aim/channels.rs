@@ -26,7 +26,10 @@ pub(super) fn update(
     if before_s > arm.time_s && !streams.iter().any(|active| active.stream.has_chunk()) {
         let is_forgotten = streams.iter().any(|active| active.has_forgotten_chunk);
         for channel in channels.iter_mut() {
-            if is_forgotten { channel.stay(arm.time_s) } else { channel.go_on(before_s, arm.time_s) }
+            channel.go_on(before_s, arm.time_s);
+            if is_forgotten {
+                channel.stay(arm.time_s);
+            }
         }
     }
     for input in &measurement.channels {
